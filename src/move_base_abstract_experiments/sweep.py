@@ -5,7 +5,6 @@ import contextlib
 import dataclasses
 import importlib
 import os
-import shlex
 import subprocess
 import sys
 import tarfile
@@ -15,7 +14,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Set, TextIO, T
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.kinds import unknown
 from move_base_abstract.common.options import words_of
-from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.shown import pasted, shown_text
 
 from .carrying import cluster, jobs, warm_ros
 from .carrying.workers import workers_file
@@ -236,7 +235,7 @@ def _tell(folder: outputs.OutputFolder, told: tables.Summary, stream: TextIO) ->
         print(f'  different: {one.id}: {one.difference}', file=stream)
     for one in [*told.failed, *told.different][:1]:
         print(f'next: the first of them again: rosrun move_base_abstract experiment rerun '
-              f'{shlex.quote(str(folder.path))} {one.id}', file=stream)
+              f'{pasted(str(folder.path))} {one.id}', file=stream)
     for line in (*told.errors.lines(total - told.missing), *map(shown_text, told.properties.lines())):
         print(f'  {line}', file=stream)
     print(f'table: {os.path.join(str(folder.path), "trials.csv")}', file=stream, flush=True)

@@ -61,7 +61,9 @@ class System:
                 'log_messages': settings.log_messages, **end, **settings.time_master}, no_respawn=True)
             if settings.adopt:
                 options = adoption.adopted(config, options, read_settings)
-            return plan.plan_of(config, options)
+            made = plan.plan_of(config, options)
+            plan.keep_to_this_user(made, self._folder)
+            return made
         except RLException as error:
             raise ConfigurationError(str(error)) from None
 

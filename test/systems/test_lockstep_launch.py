@@ -280,7 +280,11 @@ class LaunchTest(OwnPackage, unittest.TestCase):
             stream.write("\n\ndef as_a_simulator():\n    return rospy.Publisher('clock', Int32, queue_size=1)\n")
         for text, why in ((simulator, 'publishes /clock itself'), (TICKING.format(more=''), 'publishes /clock itself'),
                           (nobody, 'no node of this launch file can'),
-                          ('<launch><node/></launch>', 'node')):
+                          ('<launch><node/></launch>', 'node'),
+                          ('<launch>\n<group if="$(eval 1/0)"/></launch>',
+                           '.launch, line 2: invalid <group> tag: ZeroDivisionError: division by zero\n'),
+                          ('<launch>\n\n<param name="x" value="$(eval 1 +)"/></launch>',
+                           '.launch, line 3: invalid <param>')):
             done = self.run_it(self.file(text))
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(why, done.stdout)

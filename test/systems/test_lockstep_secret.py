@@ -6,6 +6,7 @@ import unittest
 
 import rosgraph
 from lockstep_raw_client import RawClient, address_at
+from own_folder import OwnPackage
 from waiting import GUARD, read, wait_for
 from warm import Loopback
 
@@ -18,9 +19,47 @@ rospy.init_node('rospy_node')
 lockstep.join()
 rospy.spin()
 """
+#: looks at the secret of a run that lockstep_launch has made, and tries to take part without it
+STRANGER = """#!/usr/bin/env python3
+import os
+import sys
+import rospy
+sys.path.insert(0, os.environ['TEST_FOLDER'])
+from lockstep_raw_client import RawClient, address_at
+rospy.init_node('stranger')
+status = os.stat(rospy.get_param('/time_master/lockstep_secret_file'))
+print('mode {:o}, {} bytes'.format(status.st_mode & 0o777, status.st_size), flush=True)
+try:
+    RawClient(address_at(os.environ['ROS_MASTER_URI'])).hello('/fleet')
+except AssertionError as error:
+    print('refused:', error, flush=True)
+rospy.set_param('/is_told', True)
+rospy.spin()
+"""
+WAITER = """#!/usr/bin/env python3
+import rospy
+rospy.init_node('waiter')
+while not rospy.has_param('/is_told'):
+    rospy.sleep(0.1)
+"""
 NAMES = ('/shimmed', '/rospy_node')
 #: the test reads the output of the time master while it runs
 os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
+
+
+class OwnSecretTest(OwnPackage, unittest.TestCase):
+    FILES = {'stranger': STRANGER, 'waiter': WAITER}
+
+    def test_a_launch_file_is_run_with_a_secret_that_only_its_user_can_read(self):
+        self.environment['TEST_FOLDER'] = os.path.dirname(os.path.abspath(__file__))
+        file = self.write('both.launch', '<launch>{}</launch>'.format(''.join(
+            '<node pkg="study_of_others" type="{0}" name="{0}" output="screen" required="{1}"/>'.format(*one)
+            for one in (('stranger', 'false'), ('waiter', 'true')))))
+        code, said = self.run_it('lockstep_launch', '--onlooker', '/stranger', file)
+        self.assertEqual(code, 0, said)
+        self.assertIn('mode 600, 48 bytes', said)
+        self.assertIn('refused: ', said)
+        self.assertIn("HELLO must have the secret of the run, got none from '/fleet'", said)
 
 
 class SecretTest(unittest.TestCase):

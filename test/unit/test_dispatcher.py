@@ -1,6 +1,9 @@
 """A dispatcher in plain Python: who gets what, batteries, what fails; nothing is lost. Policies against brute force."""
 import itertools
+import os
 import random
+import subprocess
+import sys
 from collections import Counter
 
 import pytest
@@ -355,3 +358,32 @@ def test_nothing_is_lost_whatever_fails_and_a_run_repeats(seed, policy):
     assert not left or not [robot for robot in usable if robot.name not in doing]  # else somebody could do them
     for name in doing:  # it stands where somebody with an empty battery is in its way
         assert dispatch.fleet.robot(name).activity.startswith('held: zone')
+
+
+PROGRAM = """
+import sys
+from move_base_abstract.orders.policies import make_policy
+try:
+    print(type(make_policy(sys.argv[1], 'dispatcher')).__module__)
+except Exception as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize('where, is_taken', [('work', False), ('program', False), ('other', True), ('work:path', True)])
+def test_a_policy_comes_from_installed_packages_and_pythonpath_only(where, is_taken, tmp_path):
+    for name in ('work', 'program', 'other'):
+        (tmp_path / name).mkdir()
+    (tmp_path / 'program' / 'run.py').write_text(PROGRAM)
+    (tmp_path / where.partition(':')[0] / 'beside.py').write_text(
+        'print("it ran")\nclass Mine:\n    def choose(self, question):\n        return []\n')
+    named = [str(tmp_path / 'other'), *([str(tmp_path / 'work')] if ':' in where else []), '']  # '': no working folder
+    done = subprocess.run([sys.executable, str(tmp_path / 'program' / 'run.py'), 'beside:Mine'], env={
+        **os.environ, 'PYTHONPATH': os.pathsep.join([*named, os.environ.get('PYTHONPATH', ''), *sys.path[1:]])},
+        cwd=tmp_path / 'work', stdout=subprocess.PIPE, text=True, check=True)
+    if is_taken:
+        assert done.stdout == 'it ran\nbeside\n'
+    else:
+        assert done.stdout == (
+            "dispatcher: policy: beside:Mine cannot be made: ModuleNotFoundError: No module named 'beside'; modules "
+            'are looked for in installed packages and PYTHONPATH\n')

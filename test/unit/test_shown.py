@@ -1,8 +1,10 @@
 """Values in error texts are short, and cost nothing to shorten."""
+import subprocess
+
 import pytest
 
 from move_base_abstract.common.bounded_yaml import load_yaml_text
-from move_base_abstract.common.shown import MAX_LENGTH, shown, shown_text
+from move_base_abstract.common.shown import MAX_LENGTH, pasted, shown, shown_text
 
 
 def doubled(times):
@@ -55,3 +57,12 @@ def test_a_number_that_yaml_reads_as_a_text_has_a_note(text, has_note):
     assert isinstance(load_yaml_text(text, 'here'), str)
     assert ('1.0e+3' in shown(text)) == has_note
     assert isinstance(load_yaml_text('1.0e+3', 'here'), float)
+
+
+@pytest.mark.parametrize('word', ['plain', 'a b', "it's", '', 'größe', '\u202egnp.x', "a\n'\\", '\x1b[2J',
+                                  '\udcff\u061c', '\U000e0001'])
+def test_what_people_paste_has_nothing_that_cannot_be_seen_and_means_the_same(word):
+    text = pasted('printf', '%s', word)
+    assert text.isprintable()
+    done = subprocess.run(['bash', '-c', text], env={'LC_ALL': 'C.UTF-8'}, stdout=subprocess.PIPE, check=True)
+    assert done.stdout == word.encode('utf-8', 'surrogateescape')

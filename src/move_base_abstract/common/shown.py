@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 import re
 import reprlib
+import shlex
 
 MAX_LENGTH = 120  # the most characters of the text for a value
 _EXPONENT = re.compile(r'[-+]?[0-9]{1,20}(\.[0-9]{0,20})?[eE][-+]?[0-9]{1,5}\Z')
@@ -45,6 +46,21 @@ def shown_text(value: object) -> str:
     text = str(value) if isinstance(value, (str, float, bool)) or value is None else shown(value)
     text = text[:MAX_LENGTH + 1]
     return cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))
+
+
+def pasted(*words: str) -> str:
+    """Return words of a command as people paste them into a shell (bash): what cannot be seen is written as codes."""
+    return ' '.join(shlex.quote(word) if word.isprintable() else "$'{}'".format(''.join(map(_code, word)))
+                    for word in words)
+
+
+def _code(sign: str) -> str:
+    if sign.isprintable():
+        return '\\' + sign if sign in "\\'" else sign
+    number = ord(sign)
+    if 0xdc80 <= number <= 0xdcff:  # a byte of a path that is not UTF-8
+        return '\\x{:02x}'.format(number - 0xdc00)
+    return '\\u{:04x}'.format(number) if number < 0x10000 else '\\U{:08x}'.format(number)
 
 
 def cut(text: str, most: int = MAX_LENGTH) -> str:

@@ -8,6 +8,8 @@ A class below ``@_policy`` is one of this package: settings, texts and pages hav
 from __future__ import annotations
 
 import importlib
+import os
+import sys
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Tuple, Type
 
 from ..common.errors import ConfigurationError
@@ -223,8 +225,27 @@ class Batch:
         return pairs
 
 
+_FOUND = '; modules are looked for in installed packages and PYTHONPATH'
+
+
+def _module(name: str) -> Any:
+    """Import a module, but not from the working folder or that of the program, unless PYTHONPATH names them."""
+    asked = {os.path.realpath(one) for one in os.environ.get('PYTHONPATH', '').split(os.pathsep) if one}
+    started = os.path.dirname(getattr(sys.modules.get('__main__'), '__file__', None) or sys.argv[0])
+    never = {os.path.realpath(one) for one in ('.', started)} - asked
+    before = sys.path[:]
+    sys.path[:] = [one for one in before if os.path.realpath(one) not in never]
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path[:] = before
+
+
 def make_policy(name: str, where: str) -> Policy:
     """Return a new policy: one of :data:`POLICIES`, or an instance of a user's class 'module:Class'.
+
+    The module is an installed one, one of PYTHONPATH, or one that the program has imported; a file that somebody else
+    wrote cannot have a module beside it, or in the working folder, run.
 
     :raises ConfigurationError: if there is no such class, it cannot be made, or it has no ``choose``; the text of these
         begins with ``where``.
@@ -233,10 +254,10 @@ def make_policy(name: str, where: str) -> Policy:
         return POLICIES[name].make()
     module, _, attribute = name.partition(':')
     try:
-        made: Any = getattr(importlib.import_module(module), attribute)()
+        made: Any = getattr(_module(module), attribute)()
     except Exception as error:
-        raise ConfigurationError('{}: policy: {} cannot be made: {}: {}'.format(
-            where, name, type(error).__name__, error)) from error
+        raise ConfigurationError('{}: policy: {} cannot be made: {}: {}{}'.format(
+            where, name, type(error).__name__, error, _FOUND if isinstance(error, ImportError) else '')) from error
     if not callable(getattr(made, 'choose', None)):
         raise ConfigurationError('{}: policy: {} has no method choose; allowed: a class with choose(question)'.format(
             where, name))

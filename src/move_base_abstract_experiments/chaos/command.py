@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import shlex
 import time
 from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
@@ -11,7 +10,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import list_of, number, similar, text
 from move_base_abstract.common.options import given, of_arguments, option, word_of, words_of
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.shown import pasted, shown
 from move_base_abstract.lockstep.run_options import LARGEST_CHAOS_SEED, RunOptions
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
@@ -155,7 +154,7 @@ def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
     for line in made.happened:
         _say('  ' + line)
     replay_file.write(output, made)
-    _say(f'run it again: rosrun move_base_abstract chaos --replay {shlex.quote(output)}')
+    _say(f'run it again: rosrun move_base_abstract chaos --replay {pasted(output)}')
     return FAILED
 
 

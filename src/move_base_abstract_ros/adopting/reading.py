@@ -13,7 +13,7 @@ from rosgraph.names import ns_join
 from roslaunch import substitution_args
 from roslaunch.core import RLException
 from roslaunch.loader import LoadException
-from roslaunch.xmlloader import XmlParseException, ifunless_test
+from roslaunch.xmlloader import XmlLoader, XmlParseException, ifunless_test
 
 from move_base_abstract.common import bounded_yaml
 
@@ -46,6 +46,43 @@ class Missing(NamedTuple):
     place: str
     namespace: str = '/'
     arguments: tuple = ()
+
+
+class _PlacedError(XmlParseException):
+    """An error of roslaunch's loader whose text names the file and the line of its tag."""
+
+
+class PlacingLoader(XmlLoader):
+    """roslaunch's loader, whose errors name file and line."""
+
+    def _parse_launch(self, filename, verbose):
+        try:
+            with open(filename, 'rb') as stream:
+                root = _Builder().parseFile(stream).getElementsByTagName('launch')
+        except Exception as error:
+            raise XmlParseException('{}: Invalid roslaunch XML syntax: {}'.format(filename, error)) from None
+        if len(root) != 1:
+            raise XmlParseException('{}: Invalid roslaunch XML syntax: no root <launch> tag'.format(filename))
+        root[0].ownerDocument.path = filename
+        return root[0]
+
+    def _place_of(self, tag):
+        path = getattr(tag.ownerDocument, 'path', '')
+        return '{}, line {}: '.format(path, tag.line) if path else ''
+
+    def _recurse_load(self, ros_config, tags, context, default_machine, is_core, verbose):
+        for tag in tags:
+            try:
+                default_machine = super()._recurse_load(ros_config, [tag], context, default_machine, is_core, verbose)
+            except (_PlacedError, substitution_args.SubstitutionException, rospkg.ResourceNotFound, OSError):
+                raise
+            except Exception as error:  # $(eval ...) may raise any
+                if isinstance(error, RLException) and not isinstance(error, XmlParseException):
+                    raise
+                text = str(error) if isinstance(error, XmlParseException) else 'invalid <{}> tag: {}: {}'.format(
+                    tag.tagName, type(error).__name__, error)
+                raise _PlacedError(self._place_of(tag) + text) from None
+        return default_machine
 
 
 class Tolerant:
@@ -130,17 +167,9 @@ class Tolerant:
                 raise
             return self._miss('parameter', '{}: {}'.format(name, command))
 
-    def _parse_launch(self, filename, verbose):
-        if self._first is None:
-            return super()._parse_launch(filename, verbose)
-        try:
-            with open(filename, 'rb') as stream:
-                root = _Builder().parseFile(stream).getElementsByTagName('launch')
-        except Exception as error:
-            raise XmlParseException('{}: Invalid roslaunch XML syntax: {}'.format(filename, error)) from None
-        if len(root) != 1:
-            raise XmlParseException('{}: Invalid roslaunch XML syntax: no root <launch> tag'.format(filename))
-        return root[0]
+    def _place_of(self, _tag):
+        """Return '': load() adds the place to errors."""
+        return ''
 
     def _include_tag(self, tag, context, ros_config, default_machine, is_core, verbose):
         if is_core or not ifunless_test(self, tag, context):

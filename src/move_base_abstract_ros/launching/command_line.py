@@ -1,13 +1,12 @@
 """The command lines of programs that start launch files: the options of a run, and FILE or PACKAGE FILE, ARG:=VALUE."""
 import argparse
 import os
-import shlex
 import sys
 from dataclasses import dataclass
 
 from move_base_abstract.common.kinds import FLAG, number, pattern
 from move_base_abstract.common.options import add_arguments, of_arguments, option, words_of
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.shown import pasted, shown
 from move_base_abstract.lockstep.run_options import RunOptions
 
 USAGE = '%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]'
@@ -79,4 +78,4 @@ def files_of(parser, words):
 def typed(program, *parts):
     """Return a command that can be typed: ``program`` of this package, with records of options, or words, in turn."""
     words = [word for part in parts for word in (part if isinstance(part, (list, tuple)) else words_of(part))]
-    return 'rosrun move_base_abstract {}'.format(' '.join(map(shlex.quote, (program, *words))))
+    return 'rosrun move_base_abstract {}'.format(pasted(program, *words))

@@ -10,7 +10,6 @@ import roslaunch.core
 import rospkg
 from roslaunch import substitution_args
 from roslaunch.loader import convert_value
-from roslaunch.xmlloader import XmlLoader
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.options import options_of
@@ -18,7 +17,7 @@ from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.ends import TIME_MASTER
 
-from ..adopting.reading import Tolerant
+from ..adopting.reading import PlacingLoader, Tolerant
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
@@ -103,8 +102,8 @@ def read(files, is_tolerant=False):
     return config
 
 
-class _Loader(XmlLoader):
-    """roslaunch's loader, which knows what `rosversion` prints for the file of ROS's core, and does not run it."""
+class _Loader(PlacingLoader):
+    """A loader that knows what `rosversion` prints for the file of ROS's core, and does not run it."""
 
     def param_value(self, verbose, name, ptype, value, textfile, binfile, command):
         """Return the value of a parameter, as roslaunch's loader does."""
@@ -185,6 +184,17 @@ def log_of_run(plan, folder, is_whole=False):
     _set(plan.config, TIME_MASTER + '/event_log', path)
     _set(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
     return path
+
+
+def keep_to_this_user(plan, folder):
+    """Give a Plan's run a secret that only this user can read, in ``folder``, unless its launch file gives one."""
+    keys = [TIME_MASTER + '/lockstep_secret', TIME_MASTER + '/lockstep_secret_file']
+    if any(_value(plan.config, key, '') for key in keys):
+        return
+    path = os.path.join(folder, 'secret')
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), 'w') as stream:
+        stream.write(os.urandom(24).hex())
+    _set(plan.config, keys[1], path)
 
 
 def name_anonymous_ones_alike():

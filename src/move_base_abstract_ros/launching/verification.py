@@ -1,12 +1,12 @@
 """Run one launch file under several conditions and look for the first difference."""
 import contextlib
 import os
-import shlex
 import shutil
 import time
 from typing import NamedTuple
 
 from move_base_abstract.common.own_files import OutputError
+from move_base_abstract.common.shown import pasted
 from move_base_abstract.runs import ends, event_log, run_difference
 from move_base_abstract.runs.calls import DeathError, call
 from move_base_abstract.runs.event_log import EventLogError
@@ -201,7 +201,7 @@ class Verification:
 
     def _say_next(self, text, *words):
         """Print what the user can type next. ``words`` fill the places in ``text``."""
-        self._say('next: ' + text.format(*map(shlex.quote, words)))
+        self._say('next: ' + text.format(*map(pasted, words)))
 
     def _with_messages(self):
         return [run.condition.name for run in self.runs if run.condition.with_messages]

@@ -11,9 +11,9 @@ Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong argument
 """
 
 import argparse
-import shlex
 import sys
 
+from move_base_abstract.common.shown import pasted
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log import EventLogError
 
@@ -88,5 +88,5 @@ def _compare(first_path, second_path):
     if not is_same:
         print('next: both runs side by side: rosrun move_base_abstract replay {} {}; the likely cause: '
               'rosrun move_base_abstract verify FILE, with their launch file'.format(
-                  shlex.quote(first_path), shlex.quote(second_path)))
+                  pasted(first_path), pasted(second_path)))
     return 0 if is_same else 1

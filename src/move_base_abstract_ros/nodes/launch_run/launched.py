@@ -168,6 +168,8 @@ def _run_in(own, folder, options, files):
         return Launched(0)
     run_id = get_or_generate_uuid(None, False) if options.use_master else generate_run_id()
     config.params['/run_id'] = Param('/run_id', run_id)
+    if not options.use_master:
+        plan.keep_to_this_user(made, own)
     log = plan.log_of_run(made, own, options.check or asked_run.properties)
     code, found = _carry_out(made, log, run_id, options)
     return _conclude(made, Launched(code, _bags(notes, log)), ends.judge(found, ends.read_log(log)), log, options)
