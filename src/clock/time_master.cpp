@@ -10,9 +10,6 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;
-constexpr Nanoseconds kSampleGap = kAchievedWindow / 50;
-
 FactorUnits toUnits(double factor) {
   return std::llround(factor * static_cast<double>(kFactorUnit));
 }
@@ -42,7 +39,7 @@ TimeMaster::TimeMaster(const Settings& settings, Nanoseconds wall)
       plan_(toNanoseconds(settings.finest_step), gap(settings.max_clock_rate),
             gap(settings.repeat_rate)) {
   applyRate();
-  sample();
+  achieved_.look(clock_.wall(), now(), 0.0, !paused_);
 }
 
 void TimeMaster::advance(Nanoseconds wall) {
@@ -53,7 +50,7 @@ void TimeMaster::advance(Nanoseconds wall) {
     endHolds();
     applyRate();
   } while (clock_.wall() < wall);
-  sample();
+  achieved_.look(clock_.wall(), now(), 0.0, !paused_);
 }
 
 std::optional<Nanoseconds> TimeMaster::poll(Nanoseconds wall) {
@@ -149,15 +146,6 @@ double TimeMaster::busyFactor() const { return fromUnits(busy_factor_); }
 
 double TimeMaster::effectiveFactor() const { return fromUnits(clock_.rate()); }
 
-double TimeMaster::achievedFactor() const {
-  const Sample& first = samples_.front();
-  if (clock_.wall() == first.wall) {
-    return 0.0;
-  }
-  return static_cast<double>(clock_.now() - first.time) /
-         static_cast<double>(clock_.wall() - first.wall);
-}
-
 void TimeMaster::aimAt(Nanoseconds target) {
   paused_ = false;
   target_ = target;
@@ -210,16 +198,6 @@ void TimeMaster::endRun() {
   }
   if (stop == kLastInstant) {
     events_.push_back({Event::Kind::kEndOfTime, clock_.wall(), stop, "", 0});
-  }
-}
-
-void TimeMaster::sample() {
-  const Nanoseconds wall = clock_.wall();
-  if (samples_.empty() || wall - samples_.back().wall >= kSampleGap) {
-    samples_.push_back({wall, now()});
-  }
-  while (samples_.size() > 1 && wall - samples_[1].wall >= kAchievedWindow) {
-    samples_.pop_front();
   }
 }
 

@@ -3,12 +3,12 @@
 #ifndef MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
 #define MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
 
-#include <deque>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "achieved_factor.h"
 #include "publication_plan.h"
 #include "scaled_clock.h"
 
@@ -110,20 +110,14 @@ class TimeMaster {
   double wantedFactor() const;
   double busyFactor() const;
   double effectiveFactor() const;  // 0 while time stands still
-  double achievedFactor() const;   // over about the last second of wall time
+  double achievedFactor() const { return achieved_.at(clock_.wall()); }
 
  private:
-  struct Sample {
-    Nanoseconds wall;
-    Nanoseconds time;
-  };
-
   void aimAt(Nanoseconds target);
   void applyRate();
   void leaveOutGap(Nanoseconds wall);
   void endHolds();
   void endRun();
-  void sample();
   Nanoseconds nextStop() const;
   Nanoseconds nextExpiry() const;
 
@@ -136,7 +130,7 @@ class TimeMaster {
   ScaledClock clock_;
   PublicationPlan plan_;
   std::vector<Event> events_;
-  std::deque<Sample> samples_;
+  AchievedFactor achieved_;
 };
 
 }  // namespace move_base_abstract

@@ -117,6 +117,7 @@ class Lockstep:
         self._joined: Any = None
         self._clients: Dict[str, Any] = {}
         self._allowed: List[str] = []
+        self._over: Optional[Run] = None
         self._judged: Optional[Judgement] = None
 
     def start(self, **given: Any) -> None:
@@ -213,13 +214,17 @@ class Lockstep:
             if self._joined is not None:
                 self._joined.leave('the test is over')
             begin, found = time.monotonic(), self._system.end()
-            self._judged = _judged(Run(self._system.log, found, self._settings.properties), time.monotonic() - begin)
+            self._over = Run(self._system.log, found, self._settings.properties)
+            self._judged = _judged(self._over, time.monotonic() - begin)
         return list(self._judged.broken)
 
     @property
     def not_allowed(self) -> List[Broken]:
         """The properties that the run has broken, without those that :meth:`allow` names. This ends the run."""
-        return [one for one in self.finish() if one.property not in self._allowed and one.text not in self._allowed]
+        found = self.finish()
+        if found and self._over is not None and self._allowed:  # what was told once may break another property, too
+            found = list(judgement_on(self._over._replace(allowed=self._allowed)).broken)
+        return [one for one in found if one.text not in self._allowed]
 
     def never_held(self) -> List[Tuple[str, str]]:
         """End the run, and return (node, text) of each ``sometimes`` that has not held in it."""

@@ -17,12 +17,16 @@ namespace move_base_abstract {
 namespace {
 
 constexpr const char* kAddressParameter = "/time_master/lockstep_address";
-constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;    // wall, between two work()s
-constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;    // wall
-constexpr Nanoseconds kAchievedWindow = kNanosecondsPerSecond;  // wall
+constexpr Nanoseconds kLookGap = kNanosecondsPerSecond / 50;  // wall, between two work()s
+constexpr Nanoseconds kFlushGap = kNanosecondsPerSecond / 2;  // wall
 // The kinds of events about uncaught exceptions of nodes, by which a run is judged.
 constexpr std::array<std::string_view, 3> kOfEnds = {"uncaught", "unasked", "asked"};
 constexpr int kSightings = 2;  // so that a node that joins has time to do so
+
+bool moves(LockstepPhase phase) {
+  return phase == LockstepPhase::kRunning || phase == LockstepPhase::kWaiting ||
+         phase == LockstepPhase::kLimited;
+}
 
 LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
   LockstepSettings settings = parameters.lockstep;
@@ -211,7 +215,7 @@ bool LockstepMode::work() {
   }
   const LockstepStatus status = server_->status();
   radio_.work(*server_, wall);
-  sample(wall, status.time);
+  look(status, wall);
   updateBystanders(status);
   lookForEnd(status);
   const std::string seen = notable(status);
@@ -248,10 +252,7 @@ void LockstepMode::lookForEnd(const LockstepStatus& status) {
  * with each round or leap.
  */
 std::string LockstepMode::notable(const LockstepStatus& status) const {
-  const bool moving = status.phase == LockstepPhase::kRunning ||
-                      status.phase == LockstepPhase::kWaiting ||
-                      status.phase == LockstepPhase::kLimited;
-  std::string all = moving ? "moving" : phaseName(status.phase);
+  std::string all = moves(status.phase) ? "moving" : phaseName(status.phase);
   all += status.phase == LockstepPhase::kWaiting ? " waiting " : " ";
   all += std::to_string(status.paused) + " " + std::to_string(status.not_repeatable.size()) + " " +
          std::to_string(status.degraded.size()) + " " + status.reason;
@@ -261,20 +262,9 @@ std::string LockstepMode::notable(const LockstepStatus& status) const {
   return all + " " + joined(bystanders_) + (event_log_failed_ ? " without a log" : "");
 }
 
-void LockstepMode::sample(Nanoseconds wall, Nanoseconds time) {
-  samples_.push_back({wall, time});
-  while (samples_.size() > 2 && samples_[1].wall <= wall - kAchievedWindow) {
-    samples_.pop_front();
-  }
-}
-
-double LockstepMode::achievedFactor() const {
-  if (samples_.size() < 2) {
-    return 0.0;
-  }
-  const Sample& first = samples_.front();
-  const Sample& last = samples_.back();
-  return static_cast<double>(last.time - first.time) / static_cast<double>(last.wall - first.wall);
+void LockstepMode::look(const LockstepStatus& status, Nanoseconds wall) {
+  const bool is_held = status.phase == LockstepPhase::kLimited;
+  achieved_.look(wall, status.time, is_held ? status.limit : 0.0, moves(status.phase));
 }
 
 void LockstepMode::updateBystanders(const LockstepStatus& status) {
@@ -315,7 +305,7 @@ void LockstepMode::describe(TimeState& state) {
   state.sim_time = toRos(status.time);
   state.wanted_factor = status.limit;
   state.effective_factor = status.paused ? 0.0 : status.limit;
-  state.achieved_factor = achievedFactor();
+  state.achieved_factor = achieved_.at(wall);
   state.run_until = toRos(status.run_until.value_or(0));
   state.phase = phaseName(status.phase);
   state.reason = status.reason;

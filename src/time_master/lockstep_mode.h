@@ -4,13 +4,13 @@
 
 #include <ros/publisher.h>
 
-#include <deque>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "clock/achieved_factor.h"
 #include "clock_publisher.h"
 #include "event_log_writer.h"
 #include "lockstep_server.h"
@@ -54,21 +54,15 @@ class LockstepMode : public TimeMode {
   std::string release(const std::string& holder) override;
 
  private:
-  struct Sample {
-    Nanoseconds wall;
-    Nanoseconds time;
-  };
-
   LockstepServer::Listeners listeners();
   void noteStart() const;
   void noteEnd(const LockstepStatus& status) const;
   void finishLog(const LockstepStatus& status, const std::string& reason);
   void logMessages();
-  void sample(Nanoseconds wall, Nanoseconds time);
+  void look(const LockstepStatus& status, Nanoseconds wall);
   void lookForEnd(const LockstepStatus& status);
   void updateBystanders(const LockstepStatus& status);
   std::string notable(const LockstepStatus& status) const;
-  double achievedFactor() const;
 
   const NodeParameters parameters_;
   std::unique_ptr<EventLogWriter> event_log_;
@@ -78,7 +72,7 @@ class LockstepMode : public TimeMode {
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
   RadioPublisher radio_;
-  std::deque<Sample> samples_;
+  AchievedFactor achieved_;
   std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part
   int answers_ = 0;                       // of the ROS master, at the latest count of sightings
   std::vector<std::string> bystanders_;

@@ -79,6 +79,16 @@ class PropertiesTest(OwnPackage, unittest.TestCase):
             'never_again: /stater: k is odd once': ['never_again: at 5.000000000 s, /stater: k is odd once']})
         self.assertEqual(len(cases), 1 + 7 + 2)
 
+    def test_only_of_a_run_that_ran_and_of_what_was_asked_for_kept_is_said(self):
+        self.write('early', '#!/usr/bin/env python3\nimport sys, rospy\nsys.exit(3)\n', 0o755)
+        early, good = (self.write(name + '.launch', '<launch><node pkg="study_of_others" type="{}" name="x"/></launch>'
+                                  .format(name)) for name in ('early', 'stater'))
+        for words, cases in ((['--check', '--wrongopt', good], 0), (['--check', early], 0),
+                             (['--property', 'charged', '--end-when-idle', good], 2)):
+            code, said = self.run_it('lockstep_launch', *words, '--gtest_output=xml:' + self.path('r.xml'), '__name:=x')
+            self.assertEqual((code, said.count(': kept')), (0 if cases else 1, cases), said)
+            self.assertEqual(len(list(ElementTree.parse(self.path('r.xml')).iter('testcase'))), max(cases, 1))
+
     def test_a_test_that_is_ended_leaves_nothing_behind(self):
         self.write('endless', ENDLESS, 0o755)
         words = ['--check', '--gtest_output=xml:' + self.path('result.xml'), self.write(

@@ -131,6 +131,21 @@ def test_an_exception_is_told_once_though_its_process_was_seen_too(tmp_path):
         processes = [ends.Process('/a', True, code), ends.Process('/b', False, 3, was_early=True)]
         found = judge(Run(path, ends.judge(processes, ends.read_log(path))))
         assert [(one.property, one.node) for one in found] == [('no_exception', '/a'), ('no_crash', '/b')]
+        for name, nodes in (('no_crash', ['/a', '/b']), ('no_exception', ['/a'])):
+            alone = judge(Run(path, ends.judge(processes, ends.read_log(path)), [name]))
+            assert [(one.property, one.node) for one in alone] == [(name, node) for node in nodes]
+        allowed = judge(Run(path, ends.judge(processes, ends.read_log(path)), allowed=['no_exception']))
+        assert [(one.property, one.node) for one in allowed] == [('no_crash', '/a'), ('no_crash', '/b')]
+
+
+def test_nothing_was_kept_in_a_run_that_never_ran_or_has_no_end(tmp_path):
+    path = tmp_path / 'log'
+    head = '{"event_log":1,"start_ns":1000000000}\n'
+    end = '{"end":{"events":0,"not_repeatable_because":[],"degraded_because":[],"ended_by":"%s","at_ns":%d}}\n'
+    for text, judged in ((head + end % ('other', 10 ** 9), 0), (head, 0), (head + end % ('idle', 10 ** 9), 1),
+                         (head + end % ('other', 2 * 10 ** 9), 1)):
+        path.write_text(text)
+        assert len(judgement_on(Run(str(path), properties=['charged'])).judged) == judged
 
 
 def test_goals_that_a_client_waits_for_are_open_whether_a_robot_departed_or_not(tmp_path):

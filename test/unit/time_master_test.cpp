@@ -56,6 +56,40 @@ TEST(Integration, OfAGapOnlyAsMuchCountsAsMayAndItIsToldOnce) {
   EXPECT_TRUE(master.takeEvents().empty());  // nothing is lost while time stands
 }
 
+TEST(AchievedFactor, IsThatOfTheLimitHoweverRarelyTimeLeaps) {
+  AchievedFactor factor;
+  Nanoseconds leap = kBoot;  // 60 s of simulated time, and then 2 s, at 20 times real time
+  Nanoseconds time = kSecond;
+  for (int k = 0; k < 20; ++k) {
+    const Nanoseconds distance = (k % 2 == 0 ? 60 : 2) * kSecond;
+    for (Nanoseconds wall = leap; wall < leap + distance / 20; wall += kSecond / 50) {
+      factor.look(wall, time, 20.0, true);
+      if (wall > kBoot + kSecond) {
+        EXPECT_NEAR(factor.at(wall), 20.0, 1.0);
+      }
+    }
+    leap += distance / 20;
+    time += distance;
+  }
+}
+
+TEST(AchievedFactor, IsTakenFromLeapToLeapWhileNodesComputeAndIsNoneWhereTimeStands) {
+  AchievedFactor factor;
+  Nanoseconds wall = kBoot;
+  for (int k = 0; k < 500; ++k, wall += kSecond / 50) {  // 30 s each 1.5 s
+    factor.look(wall, kSecond + k / 75 * 30 * kSecond, 0.0, true);
+    if (k > 100) {
+      EXPECT_NEAR(factor.at(wall), 20.0, 1.0);
+    }
+  }
+  EXPECT_NEAR(factor.at(wall + 10 * kSecond), 3.0, 1.0);  // no longer
+  const Nanoseconds stood = kSecond + 499 / 75 * 30 * kSecond;
+  for (int k = 0; k < 101; ++k, wall += kSecond / 50) {
+    factor.look(wall, stood, 0.0, false);
+  }
+  EXPECT_EQ(factor.at(wall), 0.0);
+}
+
 TEST(Integration, ManySmallAdvancesEqualOneLargeOne) {
   TimeMaster fine(with(0.333333333), kBoot);
   TimeMaster coarse(with(0.333333333), kBoot);

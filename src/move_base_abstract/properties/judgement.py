@@ -18,19 +18,21 @@ from . import statements
 class Run(NamedTuple):
     """A run that is over: the path of its event log, and the ends of its processes, if they are known.
 
-    ``properties``: those that it must keep, of :data:`..runs.built_in.KIND`.
+    ``properties``: those that it must keep, of :data:`..runs.built_in.KIND`; ``allowed``: of these, names of those that
+    it may break.
     """
 
     log: str
     processes: Sequence[ends.End] = ()
     properties: Sequence[str] = (ALL,)
+    allowed: Sequence[str] = ()
 
 
 class Judgement(NamedTuple):
     """The result for a run.
 
     ``broken``: the broken properties in the order of their instants; ``statements``: {(node, kind, text): STATED,
-    BROKEN or HELD}; ``judged``: the names of the properties by which it was judged.
+    BROKEN or HELD}; ``judged``: the names of the properties by which it was judged, none if it never ran.
     """
 
     broken: Tuple[Broken, ...] = ()
@@ -56,16 +58,16 @@ def judge(run: Run) -> List[Broken]:
 def judgement_on(run: Run) -> Judgement:
     """Return the whole Judgement on a run. :raises EventLogError: if its log is none."""
     with event_log.opened(run.log) as log:
-        return judge_log(log, run.processes, run.properties)
+        return judge_log(log, run.processes, run.properties, run.allowed)
 
 
 def judge_log(log: EventLog, processes: Sequence[ends.End] = (), properties: Sequence[str] = (ALL,),
-              hear: Callable[[TraceEntry], object] = lambda _row: None) -> Judgement:
+              allowed: Sequence[str] = (), hear: Callable[[TraceEntry], object] = lambda _row: None) -> Judgement:
     """Return the Judgement on a run by its EventLog, which is read to the end, and the ends of its processes.
 
-    ``properties``: those of a Run. ``hear`` is called with each row.
+    ``properties``, ``allowed``: those of a Run. ``hear`` is called with each row.
     """
-    asked = built_in.chosen(properties)
+    asked = {name: number for name, number in built_in.chosen(properties).items() if name not in allowed}
     story, told, found = Story(log.start_ns, keeps_spans=True), ends.Log(), []
     stated: Dict[Tuple[str, str, str], str] = {}
     for row in log.rows():
@@ -82,7 +84,9 @@ def judge_log(log: EventLog, processes: Sequence[ends.End] = (), properties: Seq
     if not processes:  # they were not looked at, but the log names those that died
         told.end(end)
         processes = ends.judge((), told)
-    found += built_in.judge(Facts(story, end, told, processes), asked)
+    found += built_in.judge(Facts(story, end, told, processes, asked))
     in_order = sorted(found, key=lambda one: (one.instant_ns is None, one.instant_ns or 0, one.property, one.node,
                                               one.text))
-    return Judgement(tuple(in_order), stated, tuple(asked))
+    # Told to end before time had started, or without an end: nothing that is not broken was kept.
+    has_run = log.end is not None and (end.get('ended_by'), end.get('at_ns')) != ('other', log.start_ns)
+    return Judgement(tuple(in_order), stated, tuple(asked) if has_run else ())

@@ -39,12 +39,16 @@ class Broken(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """What a run has left: its Story, the end record of its log, what the log says of processes, and their ends."""
+    """What a run has left: its Story, the end record of its log, what the log says of processes, and their ends.
+
+    ``asked``: the properties that it must keep, of chosen().
+    """
 
     story: Story
     end: Dict[str, Any]
     log: ends.Log
     processes: Sequence[ends.End]
+    asked: Dict[str, float]
 
 
 #: what has broken a property: (instant [ns] or None, node or robot, text, details)
@@ -73,9 +77,10 @@ class Property(NamedTuple):
 
 
 def _crashes(facts: Facts, _number: float) -> Breaks:
-    """Yield the crashes. An exception that was not caught is not reported as a crash, too."""
+    """Yield the crashes. An exception that no_exception reports is not reported as a crash, too."""
+    told = facts.log.uncaught if 'no_exception' in facts.asked else {}
     for one in facts.processes:
-        is_told = one.node in facts.log.uncaught and one.code in (None, 0, 1)  # 1: Python's code after an exception
+        is_told = one.node in told and one.code in (None, 0, 1)  # 1: Python's code after an exception
         if one.crash is not None and not is_told:
             yield one.time_ns, one.node, one.crash, ()
 
@@ -191,9 +196,9 @@ def chosen(names: Iterable[str]) -> Dict[str, float]:
     return found
 
 
-def judge(facts: Facts, asked: Dict[str, float]) -> Iterator[Broken]:
-    """Yield the built-in properties of ``asked`` (of chosen()) that a run has broken."""
+def judge(facts: Facts) -> Iterator[Broken]:
+    """Yield the built-in properties that a run must keep and has broken."""
     for one in BUILT_IN.values():
-        if one.name in asked:
-            for broken in one.judge(facts, asked[one.name]):
+        if one.name in facts.asked:
+            for broken in one.judge(facts, facts.asked[one.name]):
                 yield Broken(one.name, *broken)

@@ -46,7 +46,8 @@ def evidence_of(result: Result, log: Optional[bytes], properties: Sequence[str] 
     judged = Judgement()
     if log is not None:
         read = event_log.of_bytes(log, 'events.jsonl')
-        judged = judge_log(read, (), properties, lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
+        judged = judge_log(read, (), properties,
+                           hear=lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
         end = read.end or {}
     return Evidence(result, events, end, judged)
 

@@ -4,7 +4,8 @@
           args="--check $(find my_study)/launch/system.launch robots:=3"/>
 
 The run has a ROS master of its own; rostest's time limit holds for it. There is a case for the end of the run, for each
-property that is broken and, with --check, for each built-in property and each statement that was made.
+property that is broken and, if the run ran, for each built-in property that was asked for (--check: all) and each
+statement that was made.
 """
 import collections
 import json
@@ -16,12 +17,11 @@ import xml.etree.ElementTree as ElementTree
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract.runs.built_in import BUILT_IN, SOMETIMES
+from move_base_abstract.runs.built_in import BUILT_IN
 
 from .. import command_line
 
 _OUTPUT = '--gtest_output=xml:'
-_CHECK = '--check'
 _LAST_LINES = 15
 _GOOD, _BROKEN = 0, 4  # of lockstep_launch
 
@@ -71,16 +71,17 @@ def _run(words, launch):
                 last.append(line.rstrip('\n'))
         code = process.wait()
         outcome.seek(0)
-        told = json.loads(outcome.read() or '{"broken": [], "statements": []}')
+        told = json.loads(outcome.read() or '{"judged": [], "broken": [], "statements": []}')
     ended = '' if code in (_GOOD, _BROKEN) and not signals else 'the run did not come to its end ({}):\n{}'.format(
         'it was ended from outside' if signals else 'exit code {}'.format(code), '\n'.join(map(shown_text, last)))
-    return {'the run comes to its end': ended, **_cases(told, _CHECK in words)}
+    return {'the run comes to its end': ended, **_cases(told)}
 
 
-def _cases(told, checks_all):
-    cases = {'{}: {}'.format(one.name, one.sentence): '' for one in BUILT_IN.values() if one.is_usual and checks_all}
+def _cases(told):
+    judged = told['judged']
+    cases = {'{}: {}'.format(one.name, one.sentence): '' for one in BUILT_IN.values() if one.name in judged}
     for node, kind, text, _outcome in told['statements']:
-        if checks_all and kind != SOMETIMES:  # a single run cannot break a `sometimes`
+        if kind in judged:  # a `sometimes` is not: a single run cannot break it
             cases['{}: {}: {}'.format(kind, node, text)] = ''
     for one in told['broken']:
         kind = one['property']
