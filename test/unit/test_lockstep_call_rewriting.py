@@ -1,17 +1,20 @@
 """What a program's own code asks for by names that are made in C is handed on, and nothing else is changed."""
 import ast
 import datetime
+import json
 import threading
 
 import pytest
 
-from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, ask
+from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, KEPT, SHOWING, SHOWN, ask
+from move_base_abstract.lockstep.stable_hash import Address
 
 
 def run(text, **names):
     """Return the names of a text that was run, and what was handed on: [value, ...] for each of the two."""
     asked, hashed = [], []
-    names.update({ASK: lambda what: asked.append(what) or what, HASHED: lambda value: hashed.append(value) or value})
+    names.update({ASK: lambda what: asked.append(what) or what, HASHED: lambda value: hashed.append(value) or value,
+                  KEPT: lambda what: lambda *of: Address(what(*of)), SHOWN: lambda text, _how: text})
     exec(compile(ask(ast.parse(text)), 'text', 'exec'), names)
     return names, asked, hashed
 
@@ -35,6 +38,31 @@ def test_an_address_that_shows_is_handed_on(text):
                                   'd = {id(a): 1}; d[id(a)] = 2; d.pop(id(a))', 'd = {id(x): x for x in [a]}'])
 def test_an_address_that_is_compared_or_a_key_is_not(text):
     assert run(text, a=object(), b=object())[1] == []
+
+
+@pytest.mark.parametrize('text', ['x = {id(a): a}', 'x = {id(b): b for b in [a]}', 'x = {}; x[id(a)] = a',
+                                  'x = set(); x.add(id(a))', 'x = {}; x.setdefault(id(a), a)'])
+def test_an_address_that_is_kept_as_a_key_is_handed_to_one_that_sees_what_becomes_of_it(text):
+    names, asked, _hashed = run(text, a=object())
+    assert (asked, [type(key) for key in names['x']]) == ([], [Address])
+
+
+@pytest.mark.parametrize('text', ['x = id(a) < id(b)', 'x = id(a) == 1 > id(b)'])
+def test_an_address_that_decides_an_order_is_handed_on(text):
+    assert set(run(text, a=object(), b=object())[1]) == {id}
+
+
+@pytest.mark.parametrize(('text', 'shown'), [
+    ('x = str(a)', [('1', 'str')]), ("x = f'{a:>2}' + '-'", [(' 1', 'f-string')]), ("x = '%s' % a", [('1', '%')]),
+    ("x = '{}'.format(a)", [('1', 'format')]), ('x = a.__repr__()', [('1', '__repr__')]), ('x = a % 2', []),
+    ("loginfo('%s' % a)", []), ('print(str(a))', []), ('x = sorted([a], key=repr)', ['repr']),
+    ('x = list(map(str, [a]))', ['str']), ('json.dumps(a, default=str)', ['str', ('1', 'dumps')]), ('x = int(a)', [])])
+def test_a_text_that_may_show_an_address_is_handed_on_if_it_is_not_only_logged(text, shown):
+    seen = []
+    names = {'a': 1, 'json': json, 'loginfo': len, SHOWN: lambda text, how: seen.append((text, how)) or text,
+             SHOWING: lambda what: seen.append(what.__name__) or what}
+    exec(compile(ask(ast.parse(text)), 'text', 'exec'), names)
+    assert seen == shown
 
 
 @pytest.mark.parametrize(('text', 'expected'), [

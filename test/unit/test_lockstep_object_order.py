@@ -27,14 +27,16 @@ SET = {1, 2}
     'import heapq\nheapq.nsmallest(1, s)', 'import collections\ncollections.Counter(s)', 'a = []; a += s',
     'def f():\n  yield from s\nlist(f())', 'a = [0]; a[:] = s', "'%s' % s", "'%s %s' % (1, s)", 'sum(s)',
     'sum(a / 3 for a in s)', 'import json\njson.dumps(list(s))', 'a = []; a.extend(s)',
-    'import itertools\nitertools.groupby(s)',
+    'import itertools\nitertools.groupby(s)', 'd = []; any(d.append(a) for a in s)',
+    'set(divmod(a, 2) for a in s)', 'd = []; {d.append(a) for a in s}', 'all(print(a) for a in s)',
 ])
 def test_whatever_depends_on_the_order_is_handed_on(text):
     assert SET in seen_in(text, s=set(SET))
 
 
 @pytest.mark.parametrize('text', [
-    'len(s)', '1 in s', 'sorted(s)', 'any(a for a in s)', 'sum(1 for a in s)', 'sum(a > 1 for a in s)',
+    'len(s)', '1 in s', 'sorted(s)', 'any(a for a in s)', 'any(abs(a) > 5 for a in s)', 'sum(1 for a in s)',
+    'sum(a > 1 for a in s)', 'map(str, [1])', 'any(a > 5 for a in s.copy())',
     'all(a for a in s)', '{a for a in s}',
     's | {3}', 's |= {3}', 'sorted(a for a in s)', '7 % 3', 'len(s) % 2',
     'for a in sorted(s): pass', 'for a in range(3): pass', 'for a in {}.items(): pass',

@@ -12,7 +12,7 @@ from typing import Generic, NamedTuple, TypeVar
 import pytest
 
 from move_base_abstract.lockstep import stable_hash
-from move_base_abstract.lockstep.stable_hash import Numbered, bases_of, is_hashed_by_address
+from move_base_abstract.lockstep.stable_hash import Address, Numbered, bases_of, is_hashed_by_address, number_classes
 
 
 def made(*bases, **body):
@@ -49,6 +49,26 @@ def test_hashes_count_up_and_stay():
     assert hashes == list(range(hashes[0], hashes[0] + 5))
     assert [hash(robot) for robot in reversed(robots)] == hashes
     assert not is_hashed_by_address(robots[0])
+
+
+def test_classes_of_a_library_are_numbered_and_others_that_it_names_are_not():
+    class_ = 'class {}:\n  def __eq__(self, _other): return False\n  def __hash__(self): return 5\n'
+    text = ('import fractions, threading\nfrom fractions import Fraction\nclass A:\n  class B:\n    pass\n'
+            'A.again = A.B\nA.B.up = A\n'
+            'class C(Exception): pass\nclass D(type): pass\nclass E:\n  __slots__ = ()\nLock = threading.RLock\n'
+            'class G:\n  def __repr__(self): return "g"\n') + class_.format('F')
+    names = {'__name__': 'a_library'}
+    exec(text, names)
+    number_classes('a_library', names)
+    assert [is_hashed_by_address(names[name]()) for name in 'ACEFG'] == [
+        False, True, True, False, False]
+    assert not is_hashed_by_address(names['A'].B()) and hash(names['F']()) == 5
+    assert (repr(names['G']()), repr(names['A']())[:28]) == ('g', '<a_library.A object at 0x000')
+    assert names['Fraction'].__hash__ is not Numbered.__hash__
+
+
+def test_an_address_that_is_kept_as_a_key_is_known():
+    assert is_hashed_by_address(Address(5)) and not is_hashed_by_address(5)
 
 
 def test_an_object_that_is_gone_leaves_nothing_and_its_place_gets_a_new_number():

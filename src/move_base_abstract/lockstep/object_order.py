@@ -25,6 +25,11 @@ _ORDERED = frozenset((
     'writerows', 'zip', 'zip_longest'))
 #: functions for which a generator's order does not matter; a sum of floats depends on it in its last digit
 _UNORDERED = frozenset(('all', 'any', 'frozenset', 'fsum', 'len', 'set', 'sorted'))
+#: functions and methods that may be called in any order, as they only look; others may do something
+_LOOKS = frozenset((
+    'abs', 'bool', 'done', 'endswith', 'float', 'get', 'get_num_connections', 'get_state', 'getattr', 'hasattr',
+    'hash', 'hypot', 'id', 'int', 'is_alive', 'is_set', 'isinstance', 'items', 'keys', 'len', 'locked', 'lower', 'max',
+    'min', 'range', 'repr', 'round', 'sorted', 'sqrt', 'startswith', 'str', 'tuple', 'type', 'upper', 'values'))
 _METACLASSES = frozenset(('ABCMeta', 'type'))
 
 
@@ -47,14 +52,17 @@ class _Order(ast.NodeTransformer):
         return node
 
     def visit_SetComp(self, node: ast.SetComp) -> ast.SetComp:  # noqa: N802
+        does_nothing = _only_looks(node)
         self.generic_visit(node)
-        _look_past(node.generators)
+        if does_nothing:
+            _look_past(node.generators)
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.Call:  # noqa: N802
         name = _last(node.func)
+        is_unordered = _is_unordered(name, node)
         self.generic_visit(node)
-        if _is_unordered(name, node):
+        if is_unordered:
             _look_past(node.args[0].generators)  # type: ignore[attr-defined]
         elif name in _ORDERED or _has_key(node):
             node.args = [_seen(argument) for argument in node.args]
@@ -116,10 +124,18 @@ def _has_key(node: ast.Call) -> bool:
 
 def _is_unordered(name: str, node: ast.Call) -> bool:
     """Return whether a call's only argument is a generator whose order does not matter."""
-    if len(node.args) != 1 or not isinstance(node.args[0], ast.GeneratorExp) or _has_key(node):
+    if len(node.args) != 1 or not isinstance(node.args[0], ast.GeneratorExp) or _has_key(node) or not _only_looks(
+            node.args[0]):
         return False
     counts = name == 'sum' and isinstance(node.args[0].elt, (ast.Constant, ast.Compare))
     return counts or name in _UNORDERED
+
+
+def _only_looks(node: Any) -> bool:
+    """Return whether all that a comprehension calls for each element may be called in any order."""
+    first, *others = node.generators
+    called = (part for one in (node.elt, *first.ifs, *others) for part in ast.walk(one) if isinstance(part, ast.Call))
+    return all(_last(part.func) in _LOOKS for part in called)
 
 
 def _is_slice(target: ast.expr) -> bool:
@@ -132,6 +148,8 @@ def _seen(node: Any) -> Any:
                          ast.GeneratorExp, ast.JoinedStr, ast.Lambda)):
         return node
     if isinstance(node, ast.Call) and _last(node.func) in ('range', 'sorted', 'items', 'values', 'keys', ORDER):
+        return node
+    if _last(node) in ('ascii', 'float', 'int', 'repr', 'str'):  # handed on to be called
         return node
     call = ast.Call(func=ast.Name(id=ORDER, ctx=ast.Load()), args=[node], keywords=[])
     return ast.copy_location(call, node)

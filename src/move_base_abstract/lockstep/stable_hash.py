@@ -8,7 +8,7 @@ import sys
 import types
 import weakref
 from functools import lru_cache
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Mapping, Tuple
 
 _HASHED_BY_ADDRESS: Any = object.__hash__
 _METHODS = (types.MethodType, types.BuiltinMethodType, types.MethodWrapperType)
@@ -30,6 +30,10 @@ class Numbered:
 
     def __repr__(self) -> str:
         return '<{0.__module__}.{0.__qualname__} object at 0x{1:012x}>'.format(type(self), Numbered.__hash__(self))
+
+
+class Address(int):
+    """The address of an object, which a program keeps as a key. It is hashed as any number."""
 
 
 class _Number(weakref.ref):  # type: ignore[type-arg]
@@ -64,13 +68,33 @@ def bases_of(*bases: Any) -> Tuple[Any, ...]:
     Numbered comes last, but before ``object``. Classes with a metaclass of their own stay as they are, and so do
     exceptions and metaclasses.
     """
-    kinds = [base for base in bases if isinstance(base, type)]
-    is_plain = len(kinds) == len(bases) and all(
-        type(kind) in (type, abc.ABCMeta) and kind.__hash__ is _HASHED_BY_ADDRESS for kind in kinds)
-    if not is_plain or any(issubclass(kind, (BaseException, type)) for kind in kinds):
+    if not all(isinstance(base, type) and _is_plain(base) for base in bases):
         return bases
     before = bases.index(object) if object in bases else len(bases)
     return bases[:before] + (Numbered,) + bases[before:]
+
+
+def _is_plain(kind: Any) -> bool:
+    return type(kind) in (type, abc.ABCMeta) and kind.__hash__ is _HASHED_BY_ADDRESS and not issubclass(
+        kind, (BaseException, type))
+
+
+def number_classes(module: str, names: Mapping[str, Any], within: str = '') -> None:
+    """Hash objects of the classes that a ``module`` defines, {name: value}, by number, as :func:`bases_of` does."""
+    for kind in list(names.values()):
+        if isinstance(kind, type) and kind.__module__ == module and kind.__qualname__ == within + kind.__name__:
+            if _is_plain(kind) and kind.__weakrefoffset__:
+                _number_class(kind)
+            number_classes(module, vars(kind), kind.__qualname__ + '.')
+
+
+def _number_class(kind: Any) -> None:
+    try:
+        kind.__hash__ = Numbered.__hash__
+        if kind.__repr__ is object.__repr__:
+            kind.__repr__ = Numbered.__repr__
+    except TypeError:
+        pass  # it is made in C
 
 
 def is_hashed_by_address(one: Any) -> bool:
@@ -83,6 +107,8 @@ def is_hashed_by_address(one: Any) -> bool:
         return any(is_hashed_by_address(part) for part in one)
     if by is float.__hash__:
         return one != one and sys.version_info >= (3, 10)  # NaN
+    if issubclass(kind, Address):
+        return True
     if isinstance(one, weakref.ref):
         return one() is None or is_hashed_by_address(one())
     return by is _HASHED_BY_ADDRESS or kind in _METHODS or any(

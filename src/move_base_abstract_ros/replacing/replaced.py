@@ -35,6 +35,7 @@ OLD_LOOPS = LOOPS + ', before Python 3.11'
 NEW_LOOPS = LOOPS + ', from Python 3.12 on'
 WARM = '`lockstep_launch`, and the warm process of an experiment and what it forks'
 FUTURES = 'lockstep.join, when a program uses concurrent.futures'
+PROCESSES = 'the launcher of unmodified programs, when a program imports multiprocessing'
 POOLS = 'lockstep.join, when a program uses multiprocessing.pool'
 SERIES = '`lockstep_launch --script`, for its script'
 
@@ -169,6 +170,12 @@ _ROWS = (
            'os.path.getctime', 'os.path.getatime', 'shutil.disk_usage', 'socket.gethostname', 'socket.getfqdn',
            'platform.node', 'getpass.getuser', 'uuid.getnode', 'threading.get_native_id', 'threading.active_count',
            'threading.enumerate'),
+    Row('rospy.get_node_uri', LAUNCHER, _TOLD),
+    Row('os.readlink', LAUNCHER, 'labels the run for what lies in /dev, /proc and /sys'),
+    Row('logging.Formatter.__init__', LAUNCHER, 'labels the run if the log shows the number of a process or thread'),
+    Row('threading.Thread.ident', LAUNCHER, 'labels the run if the program shows it, or orders anything by it'),
+    Row('threading.Thread.native_id', LAUNCHER, _TOLD),
+    *_rows(PROCESSES, _TOLD, 'multiprocessing.process.BaseProcess.ident', 'multiprocessing.process.BaseProcess.pid'),
     Row('os.sched_setaffinity', LAUNCHER, _OWN_CORES),
     Row('_imp.create_dynamic', LAUNCHER, _OWN_CORES),
     Row('rospy.msproxy.MasterProxy.__getitem__', LAUNCHER,
@@ -180,6 +187,8 @@ _ROWS = (
     Row('os.process_cpu_count', NEW_LAUNCHER, _CORES),
     Row('threading._newname', LAUNCHER, 'counts the threads that the program makes, without those of rospy'),
     Row('logging._logRecordFactory', LAUNCHER, "gives records of the program's log simulated time"),
+    Row('importlib.machinery.SourceFileLoader.exec_module', LAUNCHER,
+        "hashes objects of the module's classes by number, so that sets of them have one order"),
     Row('sqlite3.connect', SQLITE, _SQLITE),
     Row('sqlite3.dbapi2.connect', SQLITE, _SQLITE),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),

@@ -11,6 +11,9 @@ class Slot:
     def __init__(self, number):
         self.number = number
 
+    def get(self):
+        return self.number
+
 
 rospy.init_node('shifts')
 threads = {threading.Thread(target=rospy.sleep, args=(number,)) for number in range(3)}
@@ -18,6 +21,8 @@ for thread in threads:
     thread.start()
 first = {print, len, rospy.sleep}.pop()
 slots = [slot.number for slot in {Slot(1), Slot(2)}]
+said = []
+any(said.append(bound()) for bound in {Slot(number).get for number in range(3)})
 names = sorted(thread.name for thread in threads)
 alone = [thread for thread in {threading.current_thread()}]
 numbers = [number for number in {3, 2, 1}]

@@ -2,6 +2,7 @@
 """Make all calls whose results differ from run to run."""
 import ctypes
 import getpass
+import logging
 import multiprocessing
 import os
 import platform
@@ -15,6 +16,7 @@ import sys
 import threading
 import time
 import uuid
+import xmlrpc.client
 
 import rosgraph
 import rosparam
@@ -73,6 +75,31 @@ def interrupted():
     signal.alarm(1)
 
 
+def by_texts():
+    pairs = [(threading.Lock(), 1), (threading.Lock(), 2)]
+    return (sorted(pairs, key=str), '%s' % (pairs[0],), f'{pairs}', '{}'.format(connect), list(map(repr, pairs)),
+            str(threading.current_thread()))
+
+
+def by_keys():
+    kept = {id(rospy): 1, id(sys): 2}
+    return (sorted(kept),  # by id(rospy)
+            '%d' % list(kept)[0],  # the id
+            id(rospy) < id(sys))
+
+
+def by_numbers():
+    uri = rospy.get_node_uri()
+    master = rosgraph.Master('/untold')
+    return (multiprocessing.current_process().pid,
+            threading.current_thread().native_id, sorted([threading.current_thread().ident, 2]),
+            xmlrpc.client.ServerProxy(uri).getBusStats('/untold'),
+            xmlrpc.client.ServerProxy(uri).getSubscriptions('/untold'),
+            logging.Formatter('%(process)d %(message)s'),
+            os.path.realpath('/proc/self'),
+            master.getPid(), rospy.get_master().getPid())
+
+
 def by_hash():
     return sorted([Slot(), Slot()], key=hash)
 
@@ -93,7 +120,10 @@ WAYS = {
     'os.getloadavg': lambda: os.getloadavg(), 'resource.getrusage': lambda: resource.getrusage(resource.RUSAGE_SELF),
     'signal.setitimer signal.alarm': interrupted, 'select.select': handled, 'select.poll': lambda: select.poll(),
     'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
-    'select.epoll': lambda: select.epoll(), 'id': lambda: '%d' % id(rospy),
+    'select.epoll': lambda: select.epoll(), 'id id id id': lambda: ('%d' % id(rospy), by_keys()),
+    'multiprocessing.process.BaseProcess.pid threading.Thread.native_id id rospy.get_node_uri getBusStats': by_numbers,
+    'xmlrpc.client.ServerProxy logging.Formatter open getPid': str,  # by the function before
+    'repr str str format f-string %': by_texts,
     'hash hash': lambda: (hash(threading.Lock()), by_hash()),
     'open open': lambda: (open('/dev/urandom', 'rb').read(1), listed()),
     'os.system': lambda: os.system('true'),

@@ -54,6 +54,11 @@ def is_of_program(filename: str) -> bool:
     return name not in ('', *_MACHINES) if is_stdlib else name not in _ROS
 
 
+def is_of_library(filename: str) -> bool:
+    """Return whether code sees the run's clocks, and is not Python's own."""
+    return is_of_program(filename) and not _place(filename)[1]
+
+
 @lru_cache(maxsize=None)
 def _is_between(filename: str) -> bool:
     name, is_stdlib = _place(filename)

@@ -8,11 +8,13 @@ from __future__ import annotations
 import builtins
 import sys
 import weakref
-from typing import AbstractSet, Any, Set, Tuple
+from typing import AbstractSet, Any, Callable, Set, Tuple
 
 from move_base_abstract.lockstep.object_order import BASES, ORDER
-from move_base_abstract.lockstep.stable_hash import bases_of, is_hashed_by_address
+from move_base_abstract.lockstep.stable_hash import Address, bases_of, is_hashed_by_address, number_classes
 
+from ...replacing.replaced import replace
+from .callers import is_of_library
 from .labels import told
 
 _SHOWN = 3  # number of classes that a warning names
@@ -25,12 +27,24 @@ def install() -> None:
     """Make the program's classes and loops call this module, before its first line runs."""
     setattr(builtins, BASES, bases_of)
     setattr(builtins, ORDER, _see)
+    replace('importlib.machinery.SourceFileLoader.exec_module', _executing)
+
+
+def _executing(execute: Callable[..., None]) -> Callable[..., None]:
+    """Return ``exec_module`` that also numbers objects of classes of libraries, as soon as these are imported."""
+    def call(self: Any, module: Any) -> None:
+        execute(self, module)
+        if is_of_library(self.path):
+            number_classes(module.__name__, vars(module))
+    return call
 
 
 def _see(value: Any) -> Any:
     """Return ``value``, through which the program goes. If its order is by addresses, warn once for each place."""
     kind = type(value)
     is_set = kind is set or kind is frozenset or isinstance(value, (set, frozenset, weakref.WeakSet))
+    if kind is not int and isinstance(value, Address):
+        told.tell(sys._getframe(1), 'id', 'gives an address, which differs from run to run')
     if is_set and len(value) > 1:
         frame = sys._getframe(1)
         place = frame.f_code.co_filename, frame.f_lineno

@@ -6,9 +6,11 @@ and addresses. Only calls of the program's own code count, not those that ROS or
 from __future__ import annotations
 
 import builtins
+import functools
 import getpass  # noqa: F401 - replaced by name, as the others
 import os
 import platform  # noqa: F401
+import re
 import resource  # noqa: F401
 import select  # noqa: F401
 import shutil  # noqa: F401
@@ -25,12 +27,13 @@ import rosgraph
 import rospy
 import rospy.msproxy  # noqa: F401 - replaced by name
 
-from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED
+from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, KEPT, SHOWING, SHOWN
 from move_base_abstract.lockstep.own_cores import own_cores
-from move_base_abstract.lockstep.stable_hash import Numbered, is_hashed_by_address
+from move_base_abstract.lockstep.stable_hash import Address, Numbered, is_hashed_by_address
 
 from ...replacing.replaced import replace
 from ..code.callers import is_own, own_frame
+from ..code.imports import when_imported
 from ..code.labels import told
 from . import chance
 from .clocks import is_moment
@@ -67,10 +70,13 @@ CALLS = {
     'getpass.getuser': _COMPUTER, 'uuid.getnode': _COMPUTER, 'os.sched_getaffinity': _COMPUTER,
     'shutil.disk_usage': _COMPUTER, 'os.path.getmtime': _WRITTEN, 'os.path.getctime': _WRITTEN,
     'os.path.getatime': _WRITTEN,
+    'rospy.get_node_uri': 'has a port, which is another one in another run',
     'os.times': _PROCESSOR, 'os.getloadavg': _PROCESSOR, 'resource.getrusage': _PROCESSOR,
     'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
     'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
+#: a log's format with the number of a process or thread
+_NUMBER_IN_LOG = re.compile(r'%\((process|thread)\)|[{$]\{?(process|thread)\b')
 _ADDRESS = 'gives an address, which differs from run to run'
 _DEVICES = ('/dev/', '/proc/', '/sys/')
 #: paths there that read the same in each run, or are the program's own output
@@ -94,6 +100,11 @@ def install() -> None:
     for name, why in CALLS.items():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
     replace('select.select', _selecting)
+    replace('os.readlink', _reading_link)
+    replace('logging.Formatter.__init__', _formatting)
+    replace('threading.Thread.ident', lambda of: property(lambda thread: _ident_of(of.fget(thread))))
+    replace('threading.Thread.native_id', lambda of: property(_telling(of.fget, 'threading.Thread.native_id', _NUMBER)))
+    when_imported('multiprocessing.process', _follow_processes)
     replace('rospy.msproxy.MasterProxy.__getitem__', _asking_parameter)
     replace('rosgraph.masterapi.Master.getParam', _asking_master)
     replace('_posixsubprocess.fork_exec', _spawning)
@@ -115,6 +126,9 @@ def hand_on(clocks: Any) -> None:
     setattr(builtins, ASK, _Asking(clocks).ask)
     setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)
+    setattr(builtins, KEPT, lambda what: {_id: _key, threading.get_ident: _key_of_thread}.get(what, what))
+    setattr(builtins, SHOWN, _shown)
+    setattr(builtins, SHOWING, lambda what: _showing(what) if what in _TEXT_MAKERS else what)
 
 
 def _telling(function: Any, name: str, why: str) -> Callable[..., Any]:
@@ -176,6 +190,29 @@ def _selecting(select_: Callable[..., Any]) -> Callable[..., Any]:
                 return [], [], []
             told.tell(frame, 'select.select', _WATCHES)
         return select_(rlist, wlist, xlist, timeout)
+    return call
+
+
+def _follow_processes() -> None:
+    for name in ('multiprocessing.process.BaseProcess.ident', 'multiprocessing.process.BaseProcess.pid'):
+        replace(name, lambda of, name=name: property(_telling(of.fget, name, _NUMBER)))
+
+
+def _reading_link(readlink: Callable[..., Any]) -> Callable[..., Any]:
+    def call(path: Any, *args: Any, **kwds: Any) -> Any:
+        _tell_of_device(path, sys._getframe(1))
+        return readlink(path, *args, **kwds)
+    return call
+
+
+def _formatting(init: Callable[..., None]) -> Callable[..., None]:
+    """Return ``Formatter.__init__`` that labels the run if the program's log shows numbers of processes or threads."""
+    @functools.wraps(init)
+    def call(self: Any, fmt: Optional[str] = None, *args: Any, **kwds: Any) -> None:
+        if isinstance(fmt, str) and _NUMBER_IN_LOG.search(fmt):
+            told.tell(own_frame(sys._getframe(1)), 'logging.Formatter', 'shows the number of the process or thread, '
+                      'which is another one in another run')
+        init(self, fmt, *args, **kwds)
     return call
 
 
@@ -270,3 +307,50 @@ def _hash_of(value: Any, /) -> Any:
         told.tell(own_frame(sys._getframe(1)), 'hash', _ADDRESS)
     return _hash(value)
 
+
+class _Key(Address):
+    """An address that the program keeps as a key. It labels the run when it shows, or puts things in an order."""
+
+    __slots__ = ()
+
+
+def _telling_key(name: str) -> Callable[..., Any]:
+    machine = getattr(int, name)
+
+    def call(self: Any, *others: Any) -> Any:
+        told.tell(own_frame(sys._getframe(1)), 'id', _ADDRESS)
+        return machine(self, *others)
+    return call
+
+
+for _name in ('lt', 'le', 'gt', 'ge', 'repr', 'format', 'add', 'radd', 'sub', 'rsub', 'mul', 'rmul', 'mod', 'rmod',
+              'floordiv', 'truediv', 'divmod', 'and', 'rand', 'or', 'ror', 'xor', 'rxor', 'lshift', 'rshift', 'neg',
+              'invert', 'float'):
+    setattr(_Key, '__{}__'.format(_name), _telling_key('__{}__'.format(_name)))
+
+
+def _key(one: Any, /) -> int:
+    return _Key(_id(one))
+
+
+def _key_of_thread() -> int:
+    return _Key(threading.get_ident())
+
+
+def _ident_of(ident: Optional[int]) -> Optional[int]:
+    return ident if ident is None or not is_own(sys._getframe(2)) else _Key(ident)
+
+
+#: an address in a text of an object, and the number of a thread in its text; Numbered shows numbers that begin with 0
+_SHOWN_ADDRESS = re.compile(r' at 0x[1-9a-f]|, started (daemon )?[0-9]+\)>')
+_TEXT_MAKERS = (ascii, repr, str)
+
+
+def _shown(text: Any, how: str, frame: Any = None) -> Any:
+    if type(text) is str and (' at 0x' in text or ', started ' in text) and _SHOWN_ADDRESS.search(text):
+        told.tell(frame or sys._getframe(1), how, _ADDRESS)
+    return text
+
+
+def _showing(make: Callable[[Any], str]) -> Callable[[Any], str]:
+    return lambda one: _shown(make(one), make.__name__, own_frame(sys._getframe(1)))

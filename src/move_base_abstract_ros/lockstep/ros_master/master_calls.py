@@ -6,6 +6,7 @@ have registered, which differs from run to run. Calls of the thread that has the
 """
 from __future__ import annotations
 
+import sys
 import threading
 from contextlib import contextmanager
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
@@ -17,9 +18,15 @@ import rospy.core  # noqa: F401 - replaced by name
 from move_base_abstract.lockstep.parameters import in_order
 
 from ...replacing.replaced import replace
+from ..code.callers import is_own, own_frame
+from ..code.labels import told
 
 QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
 CHANGES = ('setParam', 'deleteParam')
+#: what a node or the ROS master says of its process and its connections
+_NUMBERS = ('getPid', 'getBusStats', 'getBusInfo')
+_NUMBER = 'is another number in another run'
+_PASS_ON = ('xmlrpc.', 'rosgraph.', 'rospy.msproxy', 'rospy.core')
 _MULTICALL = 'system.multicall'
 _METHODS = frozenset((*QUESTIONS, *CHANGES, _MULTICALL, 'getParam', 'hasParam', 'searchParam', 'getParamNames',
                       'subscribeParam'))
@@ -56,6 +63,9 @@ class MasterCalls:
 
     def _following(self, request: Callable[..., Any]) -> Callable[..., Any]:
         def _request(proxy: Any, method: str, arguments: Sequence[Any]) -> List[Any]:
+            if not getattr(_local, 'is_aside', False):
+                _tell_of(proxy, method, sys._getframe(1))
+
             def ask(*others: Any) -> List[Any]:
                 with aside():
                     return request(proxy, method, others or arguments)
@@ -110,6 +120,17 @@ def _get_param(self: Any, key: str) -> Any:
 
 def _is_of_ros_master(proxy: Any) -> bool:
     return proxy._ServerProxy__host == urlsplit(rosgraph.get_master_uri()).netloc
+
+
+def _tell_of(proxy: Any, method: str, frame: Any) -> None:
+    """Label the run if the program asks for numbers of a process, or asks another server than the ROS master."""
+    if method in _NUMBERS:
+        while frame is not None and (frame.f_globals.get('__name__') or '').startswith(_PASS_ON):
+            frame = frame.f_back
+        told.tell(frame if is_own(frame) else None, method, _NUMBER)
+    elif not _is_of_ros_master(proxy):
+        told.tell(own_frame(frame), 'xmlrpc.client.ServerProxy', 'of {}: its answer comes over a connection, at some '
+                  'moment of the wall clock'.format(method))
 
 
 def _label_stray(participant: Any, arguments: Sequence[Any]) -> None:
