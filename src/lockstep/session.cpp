@@ -1,7 +1,9 @@
 #include "session.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "clock/number_text.h"
@@ -175,7 +177,9 @@ void LockstepSession::finishRound() {
     end_.endIfSomebodyHasGone();
     turns_.noteChangedParameters();
     run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
+    const Nanoseconds before = now();
     grants_.send(run_.rounds.decide(run_.wall));
+    tellLeap(before);
     if (!grants_.tooMuch().empty()) {
       end_.endAtOnce(grants_.tooMuch());
     }
@@ -188,6 +192,30 @@ void LockstepSession::finishRound() {
     end_.closeIfOver();
   } while ((!run_.changed.empty() || run_.rounds.isFinishing()) && run_.rounds.settled() &&
            !run_.rounds.ended());
+}
+
+/** @brief Tell who has asked for a long leap of time from @p from, the first time, and label a leap
+ * to the machine's own time. */
+void LockstepSession::tellLeap(Nanoseconds from) {
+  const Nanoseconds longest = toNanoseconds(run_.settings.longest_leap);
+  if (now() - from <= longest || owing() == 0) {
+    return;  // nobody is woken by a leap to the end of the run
+  }
+  std::string who;
+  for (const MemberId id : run_.rounds.latestRound()) {
+    who += (who.empty() ? "" : ", ") + run_.text.quoted(id);
+  }
+  if (!std::exchange(leap_told_, true)) {
+    run_.messages.say(LockstepMessage::Level::kWarn,
+                      "time leaps by " + secondsText(now() - from) + " to " + secondsText(now()) +
+                          ", for which " + who + " has asked. If that is not meant, look there " +
+                          "for a stamp of the wall clock, or a wrong unit; longest_leap is " +
+                          secondsText(longest) + ". Later leaps are not told");
+  }
+  const Nanoseconds machine = run_.settings.machine_clock;
+  if (machine != 0 && std::abs(now() - run_.wall - machine) < longest) {
+    labelIf("time leaps to the machine's own time, for which " + who + " has asked");
+  }
 }
 
 // ---- events ----------------------------------------------------------------------------------

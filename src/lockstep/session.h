@@ -128,6 +128,7 @@ class LockstepSession {
   void takeKnock(MemberId id);
   void drop(ConnectionId id, const Connection& connection, const std::string& reason);
   void finishRound();
+  void tellLeap(Nanoseconds from);
   void handleEvents();
   void handle(const LockstepRounds::Event& event);
   void handleStandstill(const LockstepRounds::Event& event);
@@ -146,6 +147,7 @@ class LockstepSession {
   const Nanoseconds began_;
   Nanoseconds missing_due_;  // wall
   bool poll_due_ = false;
+  bool leap_told_ = false;
 };
 
 }  // namespace move_base_abstract

@@ -30,6 +30,7 @@ bool moves(LockstepPhase phase) {
 
 LockstepSettings sessionSettings(const NodeParameters& parameters, Nanoseconds begin) {
   LockstepSettings settings = parameters.lockstep;
+  settings.machine_clock = machineNow() - wallNow();
   if (begin > 0) {
     settings.start_time = secondsNotBefore(begin);
   }

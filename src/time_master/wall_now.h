@@ -1,4 +1,4 @@
-// The machine's monotonic clock.
+// The machine's clocks: the monotonic one, and the one that people set.
 #ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
 #define MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
 
@@ -11,6 +11,12 @@ namespace move_base_abstract {
 inline Nanoseconds wallNow() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+inline Nanoseconds machineNow() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 

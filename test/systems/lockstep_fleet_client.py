@@ -147,6 +147,14 @@ class Client:
             self.robots['robot_0'].send(float(number), frame=frame, ahead=ahead)
             self.wait_for_ends(number)
 
+    def run_wall(self):
+        """Send a goal with a stamp of the machine's clock, and one without."""
+        self.sleep_until(2.0)
+        self.robots['robot_0'].send(1.0, frame='robot_0/base_link', ahead=rospy.get_param('/stamp'))
+        self.wait_for_ends(1)
+        self.robots['robot_0'].send(1.0)
+        self.wait_for_ends(2)
+
     def run_map(self):
         """Send a goal in a wall, and a free goal."""
         self.sleep_until(2.0)

@@ -2,6 +2,7 @@
 import itertools
 import os
 import sys
+import time
 import unittest
 
 import rosgraph
@@ -245,6 +246,14 @@ class LockstepFleet(unittest.TestCase):
         run = Run('ahead', TWO, fleet(TWO), [[sys.executable, '-c', DOCK]], '/tf_static')
         self.assertEqual([values[1:] for kind, values in run.of('robot_0') if kind == 'ended'], [REACHED] * 4)
         self.assert_repeatable(run)
+
+    def test_a_stamp_of_the_wall_clock_is_no_leap_and_a_label(self):
+        label = "'/fleet': the stamp of a goal for /robot_0/move_base is of the wall clock"
+        for stamp, labels in ((time.time(), [label]), (1.6e9, [])):  # that of a recording is the same in each run
+            run = Run('wall', TWO[:1], fleet(TWO[:1]), of_all={'stamp': stamp})
+            self.assertEqual([(time_ns, values[1]) for time_ns, _, kind, values in run.events if kind == 'ended'], [
+                (2 * NS_PER_S, 'ABORTED'), (2_500_000_000, 'SUCCEEDED')])
+            self.assertEqual(run.end['not_repeatable_because'], labels)
 
     def test_a_map_is_there_before_time_begins_though_its_server_starts_late(self):
         server = packages.find_node('move_base_abstract', 'map_server')[0]

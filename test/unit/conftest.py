@@ -43,7 +43,7 @@ class NavigatorRig(NoClient):
 
     def __init__(self, start=Pose2D(), limits=MotionLimits(2.0), tolerances=Tolerances(), bounds=WorldBounds(),
                  feedback_freq=0.0, foreign=None, bad_frame_policy=BadFramePolicy.ABORT,
-                 recovery_policy=RecoveryPolicy(), patience=0.0):
+                 recovery_policy=RecoveryPolicy(), patience=0.0, longest_wait=2147483647.0):
         super().__init__('made-up')
         self.trace = []
         self.foreign = foreign or {}
@@ -54,7 +54,8 @@ class NavigatorRig(NoClient):
             stamp_ns, 'robot_0', record.goal_id, record.stamp_ns, record.state, record.text)), self.new_id)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup, lambda: seconds_to_ns(patience))
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, stream, self,
-                                   StraightLinePlanner(bounds), bad_frame_policy, recovery_policy)
+                                   StraightLinePlanner(bounds), bad_frame_policy, recovery_policy,
+                                   longest_wait_ns=seconds_to_ns(longest_wait))
         self.navigator.feedback.set_frequency(feedback_freq)
 
     def advance(self, seconds):
@@ -66,9 +67,11 @@ class NavigatorRig(NoClient):
         trace, self.trace = self.trace, []
         return trace
 
-    def send(self, goal_id, x, y, yaw=0.0, frame='map', stamp=0.0, id_stamp=0.0, quaternion=None):
+    def send(self, goal_id, x, y, yaw=0.0, frame='map', stamp=0.0, id_stamp=0.0, quaternion=None,
+             height=0.0):
         """Hand the navigator a goal at the present; return what it tells about it at once."""
-        goal = GoalPose(frame, seconds_to_ns(stamp), (x, y), quaternion or quaternion_of_yaw(yaw))
+        goal = GoalPose(frame, seconds_to_ns(stamp), (x, y), quaternion or quaternion_of_yaw(yaw),
+                        height)
         self.navigator.receive(goal_id, seconds_to_ns(id_stamp), goal, self.simulation.now_ns)
         return self.told()
 

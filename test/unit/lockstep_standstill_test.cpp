@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "lockstep_client.h"
 
@@ -27,6 +28,41 @@ TEST(Standstill, DeadlockIsNamedOnceAndCanBeResolved) {
   EXPECT_EQ(alone.point(1), "1000+2");
   alone.report(1, 2 * kSecond, {}, 2);
   EXPECT_EQ(alone.point(1), "2000+0");
+}
+
+/** @brief Two leaps from 1 s. @return the warnings, and then the labels. */
+std::vector<std::string> leaps(Nanoseconds first, Nanoseconds second, Nanoseconds machine_clock) {
+  LockstepSettings settings = named({"/a"});
+  settings.machine_clock = machine_clock;
+  Alone alone(first, settings);
+  alone.grant(1);
+  alone.report(1, second);
+  std::vector<std::string> told;
+  for (const LockstepMessage& message : alone.messages) {
+    if (message.level == LockstepMessage::Level::kWarn) {
+      told.push_back(message.text);
+    }
+  }
+  const std::vector<std::string>& labels = alone.session.status().not_repeatable;
+  told.insert(told.end(), labels.begin(), labels.end());
+  return told;
+}
+
+TEST(Standstill, ALeapOfMoreThanADayNamesOnceWhoHasAskedAndToTheMachinesTimeIsALabel) {
+  constexpr Nanoseconds kDay = 86400 * kSecond;
+  constexpr Nanoseconds kMachine = 1'795'872'674 * kSecond;
+  EXPECT_TRUE(leaps(kSecond + kDay, kSecond + 2 * kDay, kMachine).empty());
+  const std::string text =
+      ", for which '/a' has asked. If that is not meant, look there for a "
+      "stamp of the wall clock, or a wrong unit; longest_leap is 86400 s. "
+      "Later leaps are not told";
+  EXPECT_EQ(leaps(3 * kDay, 6 * kDay, kMachine),
+            std::vector<std::string>{"time leaps by 259199 s to 259200 s" + text});
+  EXPECT_EQ(
+      leaps(3 * kDay, kMachine + 5 * kSecond, kMachine),
+      (std::vector<std::string>{"time leaps by 259199 s to 259200 s" + text,
+                                "time leaps to the machine's own time, for which '/a' has asked"}));
+  EXPECT_EQ(leaps(3 * kDay, kMachine, 0).size(), 1U);
 }
 
 TEST(Standstill, WaitsOfADeclaredNodeAreForWork) {

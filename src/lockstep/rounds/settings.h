@@ -24,6 +24,8 @@ struct LockstepSettings {
   bool start_paused = false;
   std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
   double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
+  double longest_leap = 86400.0;           // s simulated; a longer leap of time is told
+  Nanoseconds machine_clock = 0;           // less the monotonic instants; 0: not known
   OnDeath on_death = OnDeath::kGoOn;
   OnSilence on_silence = OnSilence::kWait;
   bool end_when_idle = false;

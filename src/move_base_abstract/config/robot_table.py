@@ -100,6 +100,8 @@ TABLE = (
               'A goal whose frame is not known is aborted, or waits for the frame.'),
     Parameter('frame_timeout', 1.0, number(0.0, 60.0, unit='s, wall'),
               'Longest wait for a foreign frame; in lockstep this is simulated time.'),
+    Parameter('longest_wait', 86400.0, number(high=2147483647.0, above=0.0, unit='s, simulated'),
+              'A goal whose stamp or arrival lies further ahead cannot be reached, and a warning says why.'),
     Parameter('abort_policy', 'fast', one_of('fast', 'upstream'),
               'When a goal that cannot be reached ends: at once, or after the time that upstream takes.'),
     Parameter('status_list_timeout', 5.0, number(low=0.0, unit='s, simulated'),

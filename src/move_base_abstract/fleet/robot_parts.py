@@ -64,7 +64,8 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
     planner = planner or make_planner(settings)
     durations = _durations(settings, name, planner, stream)
     navigator = Navigator(robot, simulation, ledger, frames, stream, client, planner,
-                          settings.bad_frame_policy, settings.recovery, durations)
+                          settings.bad_frame_policy, settings.recovery, durations,
+                          seconds_to_ns(values['longest_wait']))
     simulation.queue.guard(index, navigator.break_off)
     failing: Any = None
     if settings.failures is not None or settings.buggify is not None:

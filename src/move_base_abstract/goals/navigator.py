@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Union
 
 from ..common.errors import FrameError
-from ..common.units import NS_PER_S, check_reachable
+from ..common.units import LAST_NS, NS_PER_S, check_reachable
 from ..engine.alarm import Agenda
 from ..engine.guard import attempt_each, fault_text, guarded
 from ..maps.planning import StraightLinePlanner
@@ -49,12 +49,15 @@ class Navigator:
                  client: GoalClient, planner: StraightLinePlanner = StraightLinePlanner(),
                  bad_frame_policy: BadFramePolicy = BadFramePolicy.ABORT,
                  recovery_policy: RecoveryPolicy = RecoveryPolicy(),
-                 durations: Optional[Union[GoalDurations, GoalAttempts]] = None) -> None:
+                 durations: Optional[Union[GoalDurations, GoalAttempts]] = None,
+                 longest_wait_ns: int = LAST_NS) -> None:
         self.robot = robot
         self.planner = planner
         self._agenda = Agenda(simulation.queue, robot.index)
         #: the robot's travel to the goal, and its holds (Travel)
         self.travel = Travel(self, robot, planner, self._agenda, stream, durations)
+        #: a goal that would have to wait for longer [ns], or travel, cannot be reached
+        self.longest_wait_ns = longest_wait_ns
         self._bad_frame_policy = bad_frame_policy
         self._recovery_policy = recovery_policy
         self._durations = durations  # GoalDurations; None: durations follow from the law of motion alone
@@ -152,8 +155,20 @@ class Navigator:
 
     def _try_at(self, due_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Look up the goal's place at ``due_ns`` [ns]."""
-        if self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
+        if not self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
+            return
+        if due_ns - now_ns > self.longest_wait_ns:
+            self.refuse_to_wait(due_ns, "the goal's stamp", 'is it of the wall clock? Stamps are of /clock, which '
+                                'nodes follow with use_sim_time', now_ns)
+        else:
             self._agenda.at(due_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
+
+    def refuse_to_wait(self, due_ns: int, what: str, cause: str, now_ns: int) -> None:
+        """Give the goal up, because ``what`` is at ``due_ns`` [ns], too far ahead; ``cause``: what is likely wrong."""
+        at, ahead, longest = (ns / NS_PER_S for ns in (due_ns, due_ns - now_ns, self.longest_wait_ns))
+        self._tell(Warned(now_ns, self.robot.name, f'The goal cannot be reached: {what} is at {at:.10g} s, '
+                          f'{ahead:.10g} s ahead, more than longest_wait ({longest:.10g} s): {cause}'))
+        self.give_up(now_ns)
 
     def _can_wait_for(self, due_ns: int, what: str, now_ns: int) -> bool:
         """Return whether simulated time can reach ``due_ns`` [ns]; if not, end the goal."""

@@ -93,6 +93,11 @@ class Travel:
         except ValueError as error:
             self._navigator.end(aborted('The goal cannot be travelled to: {}'.format(error)), now_ns)
             return
+        if leg.arrive_ns - now_ns > self._navigator.longest_wait_ns:
+            robot.stop(now_ns)
+            self._navigator.refuse_to_wait(leg.arrive_ns, 'the arrival', 'are the position (m) and the speed, {:g} '
+                                           'm/s, as they are meant?'.format(robot.limits.max_speed), now_ns)
+            return
         self._stream.tell(new(Departed, (now_ns, robot.name, place, leg.corners, leg.manner)))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)

@@ -1,6 +1,7 @@
 """The frames in which a goal may be given (REP 105: map -> odom -> base_link)."""
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Callable, Tuple
 
 from ..common.errors import FrameError, TimeError
@@ -76,6 +77,8 @@ class RobotFrames:
         :raises FrameError: as :meth:`locate` does. :raises ValueError: if a number of the pose is not finite.
         """
         x, y = goal.position
+        if not math.isfinite(goal.height):
+            raise ValueError('pose: z must be finite, got {!r}'.format(goal.height))
         if goal.frame_id in self._fixed:
             quaternion = goal.quaternion
             straight = quaternion is STRAIGHT_AHEAD or quaternion == STRAIGHT_AHEAD

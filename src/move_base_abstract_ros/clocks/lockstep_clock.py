@@ -6,9 +6,10 @@ turn. A thread without the turn may only look at the time (:meth:`LockstepClock.
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
 
-from move_base_abstract.common.units import seconds_to_ns
+from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep.task import TurnLost
 
@@ -19,6 +20,8 @@ from .hearers import Hearers
 
 if TYPE_CHECKING:
     from move_base_abstract.engine.event_queue import Series
+
+_DAY_NS = 86400 * NS_PER_S
 
 
 class LockstepClock:
@@ -92,6 +95,11 @@ class LockstepClock:
     def patience_ns(self, seconds: float) -> int:
         """Return ``seconds`` of simulated time [ns]: what others send comes at its instant, however slow they are."""
         return seconds_to_ns(seconds)
+
+    def note_stamp(self, who: str, stamp_ns: int) -> None:
+        """Label the run if the stamp of a goal for ``who``, ``stamp_ns`` [ns], is of the wall clock."""
+        if stamp_ns - self.simulation.now_ns > _DAY_NS and abs(stamp_ns - time.time_ns()) < _DAY_NS:
+            self.participant.label('the stamp of a goal for {} is of the wall clock'.format(who))
 
     def wait_until(self, condition: Callable[[], Any], seconds: float, what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of simulated time. The caller has the turn.

@@ -103,6 +103,9 @@ class RosClock:
     def record(self, _index: int) -> None:
         """Return None: only lockstep has an event log."""
 
+    def note_stamp(self, _who: str, _stamp_ns: int) -> None:
+        """Do nothing: no run on the scaled clock is called repeatable. See LockstepClock."""
+
     def wait_until(self, condition: Callable[[], Any], seconds: float, _what: str) -> None:
         """Wait until ``condition()`` holds, for at most ``seconds`` of wall time. The caller holds no lock."""
         deadline = time.monotonic() + seconds

@@ -70,6 +70,10 @@ class Outbox:
             if len(self._waiting) == 1:
                 self._drain()
 
+    def is_waiting(self) -> bool:
+        """Return whether a message is held back."""
+        return bool(self._waiting)
+
     def flush(self) -> None:
         """Send all waiting messages now."""
         with self._lock:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Union
 
 import rospy
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 # A client that misses the acceptance of its goal misses only its active_cb, so a shorter wait is enough.
 _ACCEPTANCE_SHARE = 0.25
+_HASTY_SECONDS = 0.2  # wall
 _KEPT_ARRIVALS = 1000
 
 
@@ -58,6 +60,7 @@ class ActionShell:
         self._arrivals: Dict[str, float] = {}  # {goal id: s, time.monotonic}
         self._acceptance_wall = 0.0
         self._outbox = Outbox()
+        self._has_told_end = False
         self._counter = itertools.count(1)
         self._packed = None, b''
         self._subscribers: Any = ()
@@ -126,12 +129,24 @@ class ActionShell:
         """
         arrived = self._arrivals.pop(record.goal_id, None)
         told = self._pack(record) + result
-        self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told,
-                          0.0 if arrived is None else arrived + self._min_answer_delay)
+        not_before = 0.0 if arrived is None else arrived + self._min_answer_delay
+        if self._min_answer_delay and self._status.is_heard():
+            # A client sends its next goal when it hears the result. If it cancels that at once, and then hears a status
+            # from before it, the goal is LOST to it. So the status that shows the end goes first, and well before the
+            # result, unless the goal is so old that its client does not send one goal after the other.
+            self.publish_status()
+            self._has_told_end = True
+            now = time.monotonic()
+            if now < not_before + _HASTY_SECONDS:
+                not_before = max(not_before, now + _ACCEPTANCE_SHARE * self._min_answer_delay)
+        self._outbox.send(self._result, lambda seq: packing.header(seq, stamp_ns) + told, not_before)
 
     def publish_status(self) -> None:
         """Publish the status of all goals, and latch it for later listeners. If the ledger is silent, do nothing."""
         if self._ledger.is_silent:
+            return
+        if self._has_told_end:
+            self._has_told_end = False  # this is the status that publish_result() has sent
             return
         now_ns = self._clock.simulation.now_ns
         if self._min_answer_delay and self._status.is_heard():
@@ -160,5 +175,7 @@ class ActionShell:
         return self._packed[1]
 
     def _repeat_status(self, _now_ns: int) -> None:
+        if self._outbox.is_waiting():
+            return  # the status is under way, and would be the one from before the next goal
         with lockstep.repetition():
             self.publish_status()

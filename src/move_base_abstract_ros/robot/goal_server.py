@@ -82,6 +82,7 @@ class GoalServer:
         with self._clock.lock:
             now_ns = self._clock.now_ns()
             self._shell.arrived(goal_id, arrived)
+            self._clock.note_stamp(self._shell.ns, goal.stamp_ns)
             self._navigator.receive(goal_id, stamp_ns, goal, now_ns)
 
     def _on_cancel(self, message: Any) -> None:

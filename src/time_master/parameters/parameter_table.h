@@ -68,6 +68,9 @@ constexpr ParameterRow kParameterTable[] = {
      "Whether `/sim_time_factor` sets the speed limit in lockstep."},
     {"silence_limit", "number", "s, wall", "10", "0, 0.001 to 86400",
      "A participant that works longer than this on one instant is named in the log; 0: never."},
+    {"longest_leap", "number", "s, simulated", "86400", "1e-6 to 2147483647",
+     "A longer leap of time is a warning that names who has asked for it, and a label if it leads "
+     "to the machine's own time; for lockstep only."},
     {"on_silence", "text", "", "wait", "wait, drop",
      "Whether time waits for a silent participant, or drops it as if it had died."},
     {"on_death", "text", "", "go_on", "go_on, end",

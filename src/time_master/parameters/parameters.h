@@ -152,6 +152,7 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("settle", lockstep.settle);
   reader.read("speed_limit", lockstep.limit);
   reader.read("silence_limit", lockstep.silence_limit);
+  reader.read("longest_leap", lockstep.longest_leap);
   reader.choose("on_silence", {{"wait", OnSilence::kWait}, {"drop", OnSilence::kDrop}},
                 lockstep.on_silence);
   reader.choose("on_death", {{"go_on", OnDeath::kGoOn}, {"end", OnDeath::kEnd}}, lockstep.on_death);
