@@ -78,6 +78,12 @@ def test_hash_is_handed_on_itself_where_it_is_not_called():
     assert (names['x'], names['y']) == (['a'], hash('a'))
 
 
+@pytest.mark.parametrize('text', ['x = object.__hash__(a)', 'x = a.__hash__()'])
+def test_a_hash_that_is_asked_for_by_its_name_is_handed_on(text):
+    names, asked, _hashed = run(text, a=5)
+    assert [one.__name__ for one in asked] == ['__hash__'] and isinstance(names['x'], int)
+
+
 def test_times_of_files_are_handed_on():
     seen = []
     text = ("import os, pathlib\na = os.stat('.').st_mtime\nb = pathlib.Path('.').stat().st_ctime_ns\n"

@@ -65,6 +65,8 @@ class _Asking(ast.NodeTransformer):
             node.func = _handed(ASK, node.func)
             return node
         name = getattr(node.func, 'attr', '')
+        if name == '__hash__':
+            node.func = _handed(ASK, node.func)
         self._visit_but(node, node.args if name in _KEYED | _KEEPING else (), name in _KEEPING)
         return _texts_seen(node, name or getattr(node.func, 'id', ''))
 

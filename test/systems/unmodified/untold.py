@@ -104,6 +104,11 @@ def by_hash():
     return sorted([Slot(), Slot()], key=hash)
 
 
+def by_name():
+    return (object.__hash__(rospy),
+            threading.Lock().__hash__(), 'text'.__hash__())
+
+
 def listed():
     return os.listdir('/proc')
 
@@ -124,7 +129,7 @@ WAYS = {
     'multiprocessing.process.BaseProcess.pid threading.Thread.native_id id rospy.get_node_uri getBusStats': by_numbers,
     'xmlrpc.client.ServerProxy logging.Formatter open getPid': str,  # by the function before
     'repr str str format f-string %': by_texts,
-    'hash hash': lambda: (hash(threading.Lock()), by_hash()),
+    'hash hash hash hash': lambda: (hash(threading.Lock()), by_hash(), by_name()),
     'open open': lambda: (open('/dev/urandom', 'rb').read(1), listed()),
     'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,

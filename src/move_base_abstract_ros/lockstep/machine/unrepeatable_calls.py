@@ -282,12 +282,15 @@ class _Asking:
                 return _hash_of  # the function itself is passed on, for example as a key to sort by
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
+        elif kind in _HASHES and what.__qualname__ == 'object.__hash__':
+            told.tell(sys._getframe(1), 'hash', _ADDRESS)
         elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # datetime64('now') is the present
             told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
         return what
 
 
 _id, _hash = id, hash
+_HASHES = (types.MethodWrapperType, types.WrapperDescriptorType)
 
 
 def _file_time(value: Any) -> Any:
