@@ -1,5 +1,6 @@
 """A ROS master for one run: on a free port of 127.0.0.1, in a process forked from this one."""
 import contextlib
+import http.client
 import os
 import select
 import sys
@@ -9,8 +10,11 @@ import xmlrpc.client
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
 
+from ..process.ros_master_watch import proxy_of
+
 _START_S = 20.0  # wall
 _ALIVE_S = 0.5  # wall
+_ANSWER_S = 20.0  # wall
 _REGISTERED_S, _LOOK_S = 10.0, 0.01  # wall
 
 
@@ -62,7 +66,7 @@ def set_parameters(uri, parameters, cleared=()):
 
     cleared: names below which all parameters are deleted before.
     """
-    master = xmlrpc.client.ServerProxy(uri)
+    master = proxy_of(uri, _ANSWER_S)
     calls = xmlrpc.client.MultiCall(master)
     for key, value in parameters:
         calls.setParam('/experiment', key, value)
@@ -73,8 +77,15 @@ def set_parameters(uri, parameters, cleared=()):
         for code, text, _ in calls():
             if code != 1:
                 raise MasterError(f'a parameter cannot be set: {text}')
-    except (OSError, TypeError, OverflowError, xmlrpc.client.Error) as error:
+    except (OSError, http.client.HTTPException) as error:
+        raise _silent(uri, error) from None
+    except (TypeError, OverflowError, xmlrpc.client.Error) as error:
         raise MasterError(f'the parameters cannot be set: {error}') from None
+
+
+def _silent(uri, error):
+    return MasterError(f'the ROS master at {uri} does not answer: {error}; allowed: one that answers within '
+                       f'{_ANSWER_S:g} s, over a loopback interface that is up (ip address show lo)')
 
 
 def await_registered(uri, pid, name, statuses):
@@ -83,9 +94,12 @@ def await_registered(uri, pid, name, statuses):
     The time is limited because the node may wait for one that starts later. ``statuses`` gets the statuses of children
     that have ended, see processes.reap.
     """
-    master, deadline = xmlrpc.client.ServerProxy(uri), time.monotonic() + _REGISTERED_S
+    master, deadline = proxy_of(uri, _ANSWER_S), time.monotonic() + _REGISTERED_S
     while pid not in statuses and time.monotonic() < deadline:
-        if master.lookupNode('/experiment', name)[0] == 1:
-            return
+        try:
+            if master.lookupNode('/experiment', name)[0] == 1:
+                return
+        except (OSError, http.client.HTTPException) as error:
+            raise _silent(uri, error) from None
         processes.reap(statuses)
         time.sleep(_LOOK_S)

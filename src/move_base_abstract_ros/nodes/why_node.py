@@ -22,6 +22,7 @@ import rospy
 
 from move_base_abstract.common.options import POSITIVE
 from move_base_abstract.msg import TimeState
+from move_base_abstract_ros.process import ros_master_watch
 from move_base_abstract_ros.replacing import rospy_start
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
@@ -89,10 +90,11 @@ def _ask(topic, timeout):
 
     :raises rospy.ROSException: if there is no ROS master, or no TimeState comes in time.
     """
-    if not rosgraph.is_master_online():
-        raise rospy.ROSException(f'no ROS master at {rosgraph.get_master_uri()}; a run of lockstep_launch has one of '
-                                 'its own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT rosrun '
-                                 'move_base_abstract why')
+    uri = rosgraph.get_master_uri()
+    if not ros_master_watch.is_answering(uri, 'why', timeout):
+        raise rospy.ROSException(f'no ROS master at {uri} answers within {timeout:g} s; a run of lockstep_launch has '
+                                 'one of its own, which its first lines name: ROS_MASTER_URI=http://127.0.0.1:PORT '
+                                 'rosrun move_base_abstract why')
     # Without ROS time: otherwise this node would count as one that uses the clock.
     rospy_start.prepare()
     rospy.init_node('why', anonymous=True, disable_rostime=True, disable_signals=True)

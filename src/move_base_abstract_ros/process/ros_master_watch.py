@@ -77,10 +77,15 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
 
+def proxy_of(uri: str, timeout: float) -> Any:
+    """Return a proxy of the ROS master or node at ``uri`` whose calls fail after ``timeout`` [s, wall] of silence."""
+    return xmlrpc.client.ServerProxy(uri, transport=_Transport(timeout))
+
+
 def is_answering(uri: str, caller: str, timeout: float) -> bool:
     """Return whether a ROS master or node at ``uri`` answers within ``timeout`` [s, wall]."""
     try:
-        code, _, _ = xmlrpc.client.ServerProxy(uri, transport=_Transport(timeout)).getPid('/' + caller.strip('/'))
+        code, _, _ = proxy_of(uri, timeout).getPid('/' + caller.strip('/'))
     except (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError):
         return False
     return code == 1
