@@ -167,11 +167,11 @@ def test_hours_count_while_there_is_a_goal_and_no_failure():
     fleet = fleet_of(failure_kind='stall', failures_per_hour=60.0, repair_time=7.0, max_speed=0.001)
     first, second = (int(number(count, Purpose.FAILURE_HOURS) / 60.0 * HOUR) for count in (1, 2))
     fleet.run(100 * S)
-    fleet.robot('bot').send(1000.0, 0.0)
+    fleet.robot('bot').send(80.0, 0.0)
     fleet.run(100 * S + first // 2)
     fleet.robot('bot').cancel()
     fleet.run(200 * S + first // 2)
-    fleet.robot('bot').send(1000.0, 0.0)
+    fleet.robot('bot').send(80.0, 0.0)
     fleet.run(207 * S + first + second)
     assert [entry.time_ns for entry in fleet.trace if entry.kind == 'failed'] == [
         200 * S + first, 207 * S + first + second]
