@@ -1,11 +1,15 @@
 """Waits for a ROS master that does not answer, as one that is stopped, have a limit, and say who is waited for."""
 import os
+import signal
 import socket
+import subprocess
 import unittest
 
-from own_folder import OwnFolder
+from own_folder import OwnFolder, OwnPackage
+from waiting import wait_for
 
 from move_base_abstract_ros.launching import ros_master
+from move_base_abstract_ros.loopback import find_executable
 
 
 class SilentMasterTest(OwnFolder, unittest.TestCase):
@@ -33,3 +37,25 @@ class SilentMasterTest(OwnFolder, unittest.TestCase):
             with self.assertRaisesRegex(ros_master.MasterError, 'the ROS master at {} does not answer: timed out; '
                                                                 'allowed: one that answers'.format(self.uri)):
                 call()
+
+
+class StoppedMasterTest(OwnPackage, unittest.TestCase):
+    FILES = {'never': '#!/bin/sh\nexec sleep 1000\n'}
+
+    def test_a_master_that_is_stopped_while_nodes_start_is_named(self):
+        file = self.write('a.launch', '<launch><node pkg="study_of_others" type="never" name="never"/></launch>')
+        with open(self.path('said'), 'w+') as said:
+            run = subprocess.Popen([find_executable('lockstep_launch'), '--participant', '/never', file], stdout=said,
+                                   stderr=subprocess.STDOUT, env=self.environment)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.terminate)
+
+        def has_said(text):
+            with open(self.path('said')) as stream:
+                return text in stream.read()
+        wait_for('the nodes', lambda: has_said('never-2]: started'))
+        with open('/proc/{0}/task/{0}/children'.format(run.pid)) as stream:
+            master = int(stream.read().split()[0])  # the first process that is started
+        os.kill(master, signal.SIGSTOP)
+        self.addCleanup(os.kill, master, signal.SIGCONT)
+        wait_for('the word', lambda: has_said('has not answered for 3 s; the nodes that start wait for it'))

@@ -8,6 +8,7 @@ import math
 import os
 import signal
 import subprocess
+import sys
 import time
 from typing import NamedTuple, Tuple
 
@@ -20,6 +21,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.runs import ends
 
 from ..loopback import find_executable
+from ..process.ros_master_watch import is_answering
 from . import roles, ros_master, warm_nodes
 from .plan import TIME_MASTER
 
@@ -28,6 +30,7 @@ REQUIRED, ABSENT, MASTER, LIMIT = 'required', 'absent', 'master', 'limit'
 _LAST_BYTES = 1 << 16  # the last line of a log is shorter
 _LOOK_S = 0.02  # wall
 _AGAIN_S = 0.1  # wall; a node with respawn is not started more often
+_ASK_EVERY_S, _SILENT_S = 5.0, 3.0  # wall; before time starts, the ROS master is asked whether it answers
 _BEFORE_START_S = 5.0  # wall; the time in which the time master must answer
 _TIME_MASTER_S = 5.0  # wall; the time in which it must end after a signal
 
@@ -103,6 +106,7 @@ class Run:
         self._unstarted = []  # names of nodes
         self._master = None  # process id of the ROS master
         self._is_asked = False
+        self._ask_at = time.monotonic() + _ASK_EVERY_S
         self.uri = ''
 
     def start(self, uri='', commands=(), on_failure=None):
@@ -166,6 +170,7 @@ class Run:
         processes.block_child_signal()
         while not self._is_asked and not self.is_over():
             self._look()
+            self._tell_of_silence()
             problems = [self._problem_of(one) for one in self._news()]
             if self._master in self._statuses:
                 problems.append(Problem(MASTER, 'the ROS master ended: ' + ends.described(self._code(self._master))))
@@ -175,6 +180,16 @@ class Run:
             if problem is not None:
                 return problem
         return None
+
+    def _tell_of_silence(self):
+        """Say once that our ROS master does not answer while nodes start: they wait for it without a word."""
+        if self._master is None or not self._note or time.monotonic() < self._ask_at or os.path.exists(self._note):
+            return
+        self._ask_at = time.monotonic() + _ASK_EVERY_S
+        if not is_answering(self.uri, 'lockstep', _SILENT_S):
+            self._ask_at = math.inf
+            print('lockstep_launch: the ROS master at {} has not answered for {:g} s; the nodes that start wait for it'
+                  .format(self.uri, _SILENT_S), file=sys.stderr, flush=True)
 
     def await_end(self, limit):
         """Wait until the run is over, whatever ends meanwhile, at most ``limit`` [s, wall]."""
