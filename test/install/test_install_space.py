@@ -157,9 +157,9 @@ def test_the_installed_python_packages_are_imported(installed, prefix):
 
 
 @pytest.mark.parametrize(('package', 'folders'), [
-    ('move_base_abstract_calibration', {'templates'}),
-    ('soil_mapping', {'data', 'requirements.txt', 'constraints.txt'}),
-    ('move_base_abstract_experiments', {'report'})])
+    ('move_base_abstract_calibration', {'py.typed', 'templates'}),
+    ('soil_mapping', {'py.typed', 'data', 'requirements.txt', 'constraints.txt'}),
+    ('move_base_abstract_experiments', {'py.typed', 'report'})])
 def test_every_file_beside_the_python_of_a_package_is_installed(prefix, package, folders):
     source = ROOT / 'src' / package
     installed, = prefix.glob(f'lib/python3*/*-packages/{package}')
