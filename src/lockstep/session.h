@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -113,6 +114,21 @@ class LockstepSession {
   Nanoseconds step(Nanoseconds duration);
   void runUntil(Nanoseconds target);
   void setLimit(double factor);
+  /** @brief Let time stand at the present instant, for nodes that do not take part; see release().
+   */
+  void holdForOthers() { run_.rounds.gate().holdForOthers(true); }
+  /** @brief End this. @param why a label, if something that is waited for has not come; else ''. */
+  void release(const std::string& why) {
+    run_.rounds.gate().holdForOthers(false);
+    labelIf(why);
+    poll_due_ = true;
+  }
+  /** @return what participants want of others; nothing while the present instant goes on. */
+  std::optional<MessageRouter::Wanted> wanted() const {
+    // Reports that have come count when they have been applied.
+    const bool is_over = run_.rounds.started() && run_.rounds.settled() && !poll_due_;
+    return is_over ? std::make_optional(run_.router.wanted()) : std::nullopt;
+  }
 
   /**
    * @brief Send END to all participants, with the next poll(), because the wall clock or a user

@@ -102,6 +102,7 @@ LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publishe
       settings, ros::network::getHost(), parameters.lockstep_port,
       LockstepServer::Local{parameters.uses_all_cores, parameters.shared_memory}, listeners());
   ros_master_ = std::make_unique<RosMasterWatch>();
+  onlookers_.begin(*server_, settings.onlookers);
   try {
     parameters_of_ros_.listen([this](const std::string& name) {
       server_->with([&](LockstepSession& session) { session.parameterChangedOutside(name); });
@@ -216,6 +217,7 @@ bool LockstepMode::work() {
   }
   const LockstepStatus status = server_->status();
   radio_.work(*server_, wall);
+  onlookers_.work(*server_, wall);
   look(status, wall);
   updateBystanders(status);
   lookForEnd(status);

@@ -15,6 +15,7 @@
 #include "event_log_writer.h"
 #include "lockstep_server.h"
 #include "message_bytes.h"
+#include "onlooker_wait.h"
 #include "parameter_keeper.h"
 #include "parameters/parameters.h"
 #include "radio_publisher.h"
@@ -72,6 +73,7 @@ class LockstepMode : public TimeMode {
   std::unique_ptr<LockstepServer> server_;
   std::unique_ptr<RosMasterWatch> ros_master_;
   RadioPublisher radio_;
+  OnlookerWait onlookers_;
   AchievedFactor achieved_;
   std::map<std::string, int> sightings_;  // of nodes that use the clock and do not take part
   int answers_ = 0;                       // of the ROS master, at the latest count of sightings

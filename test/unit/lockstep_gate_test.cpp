@@ -38,6 +38,28 @@ TEST(Gate, StartPausedGrantsTheFirstInstantOnly) {
   EXPECT_EQ(stage.phase(), "paused");
 }
 
+TEST(Gate, TimeThatStandsForOthersIsNeitherIdleNorSetGoingByResume) {
+  LockstepSettings settings = named({"/a"});
+  settings.end_when_idle = true;
+  Stage stage(settings);
+  stage.session.holdForOthers();
+  stage.join(1, "/a");
+  stage.grant(1);
+  EXPECT_FALSE(stage.session.wanted().has_value());  // the first instant is not over
+  stage.report(1, kNever, {wire::Subscribe{0, 0, "/map", "m"}, wire::Watch{"/static_map"}});
+  EXPECT_EQ(stage.phase(), "paused");
+  ASSERT_TRUE(stage.session.wanted().has_value());
+  EXPECT_EQ(stage.session.wanted()->topics, std::vector<std::string>{"/map"});
+  EXPECT_EQ(stage.session.wanted()->services, std::vector<std::string>{"/static_map"});
+  stage.session.resume();
+  stage.poll();
+  EXPECT_EQ(stage.phase(), "paused");
+  stage.session.release("it has not come");
+  stage.poll();
+  EXPECT_EQ(stage.phase(), "ended");
+  EXPECT_EQ(stage.session.status().not_repeatable, std::vector<std::string>{"it has not come"});
+}
+
 TEST(Gate, RunUntilStopsAtExactlyItsTargetWithoutGrantingAnybody) {
   Alone alone(2 * kSecond);
   alone.grant(1);

@@ -55,7 +55,7 @@ Nanoseconds RoundGate::stopBefore(Nanoseconds next) const {
 }
 
 bool RoundGate::mayGo(Nanoseconds from, Nanoseconds to, Nanoseconds wall) {
-  if (paused_ || to == kNever) {
+  if (paused() || to == kNever) {
     return false;
   }
   held_by_limit_ = wall < leapWall(from, to);

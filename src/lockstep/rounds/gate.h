@@ -29,9 +29,12 @@ class RoundGate {
   /** @brief Limit the speed to @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
   void setLimit(double factor);
   void end(Nanoseconds at) { ended_ = at; }
+  /** @brief Let time stand, whatever else was called, until this is called with false. */
+  void holdForOthers(bool holds) { holds_for_others_ = holds; }
+  bool holdsForOthers() const { return holds_for_others_; }
 
   bool ended() const { return ended_.has_value(); }
-  bool paused() const { return paused_; }
+  bool paused() const { return paused_ || holds_for_others_; }
   std::optional<Nanoseconds> target() const { return target_; }
   double limit() const;
   /**
@@ -62,6 +65,7 @@ class RoundGate {
   void open(bool is_paused, std::optional<Nanoseconds> target);
 
   bool paused_;
+  bool holds_for_others_ = false;
   std::optional<Nanoseconds> ended_;
   std::optional<Nanoseconds> target_;
   bool target_reached_ = false;  // ... and no other call has come since

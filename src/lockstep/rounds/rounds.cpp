@@ -166,6 +166,9 @@ std::vector<LockstepRounds::Grant> LockstepRounds::leap(Nanoseconds wall) {
 
 /** @return whether time has come to @p next. If not, it may not go on so far as yet. */
 bool LockstepRounds::goTo(Nanoseconds next, Nanoseconds wall) {
+  if (gate_.holdsForOthers()) {
+    return false;  // even a run without anything left to do is not idle yet
+  }
   if (next == kNever) {
     becomeIdle();
     if (settings_.end_when_idle) {

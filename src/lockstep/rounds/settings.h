@@ -42,6 +42,7 @@ struct LockstepSettings {
   std::vector<std::string> network;
   bool keep_unread = true;               // see Keep::kUnread; false: to compare runs
   std::vector<std::string> not_covered;  // reasons why the log is not complete: labels of the run
+  std::vector<std::string> onlookers;    // time starts when these are there, too, see OnlookerWait
   std::string secret;                    // which each HELLO must have; empty: none
   // The seed of another legal order of equal events; 0: the stated order. Not with a lookahead.
   std::uint32_t chaos_seed = 0;

@@ -114,6 +114,13 @@ class MessageRouter {
   /** @return the number of waits for services that no participant serves yet. */
   std::size_t watches() const;
   const OpenGoals& goals() const { return goals_; }
+  /** @brief What participants want and none of them provides, by the names of topics and services.
+   */
+  struct Wanted {
+    std::vector<std::string> topics;    // that they hear
+    std::vector<std::string> services;  // that they wait for
+  };
+  Wanted wanted() const;
 
  private:
   using Index = std::uint32_t;

@@ -176,6 +176,21 @@ std::size_t MessageRouter::watches() const {
   return count;
 }
 
+MessageRouter::Wanted MessageRouter::wanted() const {
+  Wanted found;
+  for (const Topic& topic : topics_) {
+    if (topic.publishers.empty() && !topic.subscribers.empty()) {
+      found.topics.emplace_back(topic.name);
+    }
+  }
+  for (const Service& service : services_) {
+    if (!service.watchers.empty()) {
+      found.services.emplace_back(service.name);
+    }
+  }
+  return found;
+}
+
 // ---- departures ------------------------------------------------------------------------------
 
 void MessageRouter::remove(MemberId id, std::uint64_t number) {

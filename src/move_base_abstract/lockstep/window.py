@@ -21,6 +21,7 @@ class Window:
 
     def __init__(self) -> None:
         self.is_open = False
+        self.lookahead_ns = 0  # the time that each message takes [ns]
         self._end_ns = 0
         self._repeats = 0
         self._told_at_ns = 0
@@ -33,7 +34,7 @@ class Window:
         self.is_open = bool(items) and items[0][0] == wire.WINDOW
         if not self.is_open:
             return items
-        self._end_ns = items[0][1]
+        self._end_ns, self.lookahead_ns = items[0][1:3]
         self._repeats, self._told_at_ns = 0, now_ns
         now = self.arrived(now_ns)
         into = now

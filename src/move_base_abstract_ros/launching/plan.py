@@ -78,6 +78,10 @@ class Plan(NamedTuple):
         """Names of the participants."""
         return [role.name for role in self.roles if role.takes_part]
 
+    def label(self, reasons):
+        """Make the run not repeatable for these ``reasons``. To be called before it starts."""
+        _label(self.config, reasons)
+
 
 def make_plan(files, options):
     """Read launch files and plan their run. ``files``: as roslaunch takes them, [path or (path, arguments)].
@@ -145,6 +149,7 @@ def plan_of(config, options):
     replaced = _replace(config, options.replace)
     notes += [] if options.is_told else replaced
     _refuse_other_clocks(config, options.kept)
+    _take_real_map_server(config)
     fleets = _fleets(config)
     notes += _split(config, fleets, options.parts)
     notes += start_poses.notes_of(config, said, not options.is_told)
@@ -230,6 +235,15 @@ def _replace(config, replaced):
     return notes
 
 
+def _take_real_map_server(config):
+    """Let the real map_server take part in its own way, if it is installed: ours would become it."""
+    real = roslaunch.core.Node('map_server', 'map_server')
+    if roles.program_of(real) is not None:
+        for node in config.nodes:
+            if roles.kind_of(node) == PACKAGE + '/map_server':
+                node.package = node.type = 'map_server'
+
+
 def _refuse_other_clocks(config, kept):
     for node in config.nodes:
         if roles.has_clock(node, kept):
@@ -277,9 +291,14 @@ def _look_at_recorder(config, node, role):
         notes += ['{} records no {}: they go past lockstep'.format(role.name, ', '.join(left_out))] if left_out else []
     if role.records and why:
         label = event_log.uncovered_bag(role.name, why)
-        _set(config, _NOT_COVERED, [*_value(config, _NOT_COVERED, []), label])
+        _label(config, [label])
         notes.append(label)
     return notes
+
+
+def _label(config, reasons):
+    if reasons:
+        _set(config, _NOT_COVERED, [*_value(config, _NOT_COVERED, []), *reasons])
 
 
 def _fleets(config):
@@ -349,7 +368,8 @@ def _add_time_master(config, found, options):
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
     _set(config, '/use_sim_time', True)
     for key, value in dict({'mode': 'lockstep', 'participants': taking + [name for name in named if name not in taking],
-                            'end_with': required}, **options.parameters).items():
+                            'end_with': required, 'onlookers': [role.name for role in found if role.may_provide]},
+                           **options.parameters).items():
         _set(config, '{}/{}'.format(TIME_MASTER, key), value)
     return notes
 

@@ -18,9 +18,11 @@ _LAUNCHER, _OWN_NODE = 'lockstep', '--own'
 DEPUTY = 'move_base_abstract_ros.nodes.series_run.deputy'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
               'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
-              'property_monitor', 'deputy')
+              'property_monitor', 'deputy', 'map_server')
 #: the one of them with something to do when the run is over; results of the others are in the log, or written already
 _WITH_LAST_WORDS = 'soil_coordinator'
+#: nodes of this package that only show what is, and why its other programs do not take part
+_SHOWING, _NO_NODE = ('radio_markers', 'why'), 'it is a command of this package, and no node'
 _LOOK_ON = {
     'rviz': 'it only displays',
     'rqt_gui': 'it only displays', 'image_view': 'it only displays', 'plotjuggler': 'it only displays'}
@@ -46,6 +48,7 @@ class Role(NamedTuple):
     kind: str
     why: str
     records: bool = False  # whether it writes bags, as far as its program shows
+    may_provide: bool = False  # whether it looks on, and may have something for participants from the start on
 
     @property
     def takes_part(self):
@@ -85,7 +88,8 @@ def role_of(node, forced=(), kept_out=(), with_respawned=False):
     :param with_respawned: whether nodes with respawn take part.
     """
     kind, why = _kind(node, name_of(node), forced, kept_out, with_respawned)
-    return Role(name_of(node), kind, why, recorders.is_recorder(node) or _starts_recorder(node))
+    return Role(name_of(node), kind, why, recorders.is_recorder(node) or _starts_recorder(node),
+                kind is None and _may_provide(node))
 
 
 def _kind(node, name, forced, kept_out, with_respawned):
@@ -99,8 +103,21 @@ def _kind(node, name, forced, kept_out, with_respawned):
     path = program_of(node)
     if path is None:
         return None, 'there is no program {}'.format(_without(node))
+    if _is_own_display(node) and name not in forced:
+        return None, 'it only displays'
     kind, why = programs.kind_of(path)
+    if kind is None and node.package == PACKAGE:
+        why = _NO_NODE
     return ('rospy' if kind is None and name in forced else kind), why
+
+
+def _is_own_display(node):
+    return node.package == PACKAGE and _own_type(node) in _SHOWING
+
+
+def _may_provide(node):
+    path = None if node.package in _LOOK_ON or _is_own_display(node) else program_of(node)
+    return path is not None and not recorders.is_recorder(node) and programs.kind_of(path)[0] is not None
 
 
 def _starts_recorder(node):

@@ -123,24 +123,34 @@ class Run:
         config = self._plan.config
         for one in config.executables:  # of <rosparam command="delete"> and "dump"
             subprocess.run([one.command, *one.args], check=False)
+        words = self._words_of_nodes(on_failure)
+        self._plan.label(["'{}' could not be started".format(name) for name in self._unstarted])
         ros_master.set_parameters(uri, [(one.key, one.value) for one in config.params.values()], config.clear_params)
         for node in sorted(config.nodes, key=lambda node: not roles.is_time_master(node)):
             if self._is_asked:
                 return
             name = roles.name_of(node)
+            if name in words:
+                output = self._outputs.of(name, node)
+                self._add(_Process(name, name in self._plan.participants, output, node), words[name])
+        for number, command in enumerate(commands):
+            output = self._outputs.of('command_{}'.format(number))
+            self._add(_Process(command.name, command.takes_part, output, command=command), command.words)
+
+    def _words_of_nodes(self, on_failure):
+        """Return {name: words of its command} of each node that can be started here; note the names of the others."""
+        found = {}
+        for node in self._plan.config.nodes:
             if is_machine_local(node.machine):
+                name = roles.name_of(node)
                 try:
-                    words = create_local_process_args(node, node.machine)
+                    found[name] = create_local_process_args(node, node.machine)
                 except (NodeParamsException, ValueError) as error:
                     if on_failure is None:
                         raise SimulatorError('{} cannot be started: {}'.format(name, error)) from None
                     on_failure(name, str(error))
                     self._unstarted.append(name)
-                    continue
-                self._add(_Process(name, name in self._plan.participants, self._outputs.of(name, node), node), words)
-        for number, command in enumerate(commands):
-            output = self._outputs.of('command_{}'.format(number))
-            self._add(_Process(command.name, command.takes_part, output, command=command), command.words)
+        return found
 
     def _add(self, one, words):
         one.words = words if one.node is None else [*words, '__log:=' + one.output.log]

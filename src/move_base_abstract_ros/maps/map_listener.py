@@ -45,6 +45,11 @@ class MapListener:
                 cls._listeners[topic] = cls(topic)
             return cls._listeners[topic]
 
+    @property
+    def has_come(self) -> bool:
+        """Whether a map has come."""
+        return self._came.is_set()
+
     def wait(self) -> bool:
         """Wait for the first map, with a warning every 5 s; return False if ROS shuts down meanwhile."""
         reminded = time.monotonic()

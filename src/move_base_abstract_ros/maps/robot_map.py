@@ -15,21 +15,45 @@ if TYPE_CHECKING:
     from ..clocks.timing import Clock
     from ..lockstep.participation.taking_part import Participant
     from ..robot.names import RobotNames
+    from .map_listener import MapListener
+
+
+#: enough to hear of a participant that publishes a map from its first round on
+_ROUNDS = 2
 
 
 def wait_for_maps(robots: Sequence[Tuple[RobotNames, RobotSettings]], participant: Participant) -> bool:
     """Wait for the first map of each of ``robots`` [(RobotNames, RobotSettings)]; False if ROS shuts down meanwhile.
 
-    In lockstep call this in the first round: if a map came at some later wall time, each run would be different. (Not
-    before it, since map_server waits for the first message on /clock.)
+    In lockstep call this in the first round. A participant's map comes in a round, and is waited for in simulated time.
+    One of an onlooker is waited for while time stands still: if it came at some later wall time, each run would be
+    different. (Not before the first round, since such a map_server waits for the first message on /clock.)
     """
     topics = sorted({_topic(names, settings) for names, settings in robots if settings.values['use_map']})
     for topic in topics:
         participant.constant(topic)
-    if topics:
-        from .map_listener import MapListener
-        return all(MapListener.on(topic).wait() for topic in topics)
-    return True
+    if not topics:
+        return True
+    from .map_listener import MapListener
+    listeners = [MapListener.on(topic) for topic in topics]
+    _let_subscriptions_begin(participant)
+    return all(_wait_for(listener, participant) for listener in listeners)
+
+
+def _wait_for(listener: MapListener, participant: Participant) -> bool:
+    if not participant.topics.is_of_participants(listener.topic):
+        return listener.wait()
+    return participant.wait_until(lambda: listener.has_come, what='a map on ' + listener.topic)
+
+
+def _let_subscriptions_begin(participant: Participant) -> None:
+    window = participant.rounds.window
+    with participant.rounds.still_starting():
+        if window.is_open:
+            participant.wait_until(lambda: False, window.lookahead_ns * 1e-9, 'its subscriptions')
+            return
+        for _ in range(_ROUNDS):
+            participant.scheduler.wait_round()
 
 
 def _topic(names: RobotNames, settings: RobotSettings) -> str:

@@ -1,5 +1,7 @@
 """The node ``map_server``: the real one if it is installed, otherwise a stand-in with its command line and interface.
 
+In lockstep it takes part if the time master's ``participants`` name it, as lockstep_launch does.
+
 Topics (latched): ``map``, ``map_metadata``. Services: ``static_map``, ``change_map``. Parameter: ``~frame_id``; with
 the old form of the command line also ``~negate``, ``~occupied_thresh``, ``~free_thresh``.
 """
@@ -12,6 +14,7 @@ import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
+from rosgraph.names import ns_join
 from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
@@ -22,6 +25,7 @@ from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.config.node_tables import MAP_FRAME, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description
+from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.clocks.timing import make_timing
 from move_base_abstract_ros.messages import conversions
 from move_base_abstract_ros.process.node_process import run_node
@@ -104,6 +108,7 @@ class MapServer:
     """Publishes one map, returns it to callers of ``static_map``, and replaces it when ``change_map`` asks."""
 
     def __init__(self, frame_id, occupancy):
+        participant = lockstep.join(own_threads=False) if _is_awaited() else None
         self._frame_id = frame_id
         self._lock = threading.Lock()
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
@@ -116,6 +121,8 @@ class MapServer:
         self._services = [rospy.Service('static_map', GetMap, self._get_map)]
         if LoadMap is not None:
             self._services.append(rospy.Service('change_map', LoadMap, self._change_map))
+        if participant is not None:
+            participant.serve()
 
     def show(self, occupancy):
         """Publish ``occupancy`` (OccupancyMap) from now on."""
@@ -160,6 +167,12 @@ def to_path(url):
         return os.path.join(rospkg.RosPack().get_path(package), path)
     except rospkg.ResourceNotFound:
         raise ConfigurationError("{}: there is no package '{}'".format(url, package)) from None
+
+
+def _is_awaited():
+    """Return whether the time master waits for this node. One that is not named looks on."""
+    named = rospy.get_param('/time_master/participants', [])
+    return rospy.get_name() in [ns_join('/', name) for name in named]
 
 
 def _wait_for_time():

@@ -104,6 +104,8 @@ inline void readEnd(ParameterReader& reader, NodeParameters& parameters) {
 inline void readTopics(ParameterReader& reader, LockstepSettings& lockstep) {
   lockstep.excluded_topics = readExcludedTopics(reader);
   reader.read("not_covered", lockstep.not_covered);
+  reader.read("onlookers", lockstep.onlookers);
+  lockstep.onlookers = absoluteNames("onlookers", lockstep.onlookers);
   reader.read("stored_topics", lockstep.stored_topics);
   lockstep.stored_topics = checkedStoredTopics(lockstep.stored_topics);
   reader.read("keep_unread", lockstep.keep_unread);

@@ -157,6 +157,10 @@ class Topics:
             if hasattr(listener, 'begins_to_hear'):
                 listener.hears_less() if what == wire.Delivery.NOTHING else listener.begins_to_hear()
 
+    def is_of_participants(self, name: str) -> bool:
+        """Return whether a participant publishes on a topic to which this node listens."""
+        return any(self._names[number] == name for number, _member in self._publisher_links)
+
     def _deliver(self, number: int, member: int, data: bytes) -> None:
         link = self._publisher_links.get((number, member))
         if link is not None:

@@ -4,8 +4,9 @@ With a window (:mod:`move_base_abstract.lockstep.window`) it goes through severa
 """
 from __future__ import annotations
 
+from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
@@ -44,7 +45,7 @@ class Rounds:
         self.last_words: List[Callable[[], None]] = []
         self.number = 0
         self.is_granted = self.is_at_rest = False
-        self.is_starting = True
+        self.is_starting, self._keeps_starting = True, False
         self._participant = participant
         self._connection = connection
         self._items: List[Item] = []
@@ -73,6 +74,15 @@ class Rounds:
         """
         self._handlers, self._at_once = handlers, {**at_once, wire.HAPPENED: self._on_happened}
         self.await_grant()
+
+    @contextmanager
+    def still_starting(self) -> Iterator[None]:
+        """Give a context in the first round: rounds that end in it, and that in which it ends, count as first."""
+        self._keeps_starting = True
+        try:
+            yield
+        finally:
+            self._keeps_starting = False
 
     def set_source(self, source: LockstepClock, foresees: Callable[[], bool]) -> None:
         """Drive the events of ``source`` by the grants, see :meth:`.Participant.set_source`.
@@ -179,7 +189,7 @@ class Rounds:
     def _report(self, next_ns: int, may_foresee: bool = False) -> None:
         is_background = may_foresee and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
         if self.window.is_open:
-            self.is_starting = may_foresee = False
+            self.is_starting, may_foresee = self._keeps_starting, False
             self._end_turn()
             is_free = not (is_background or self.scheduler.has_outside)
             if is_free and self.window.walk(next_ns, self.scheduler.now_ns, self._items):
@@ -196,7 +206,8 @@ class Rounds:
             self._items.append(wire.note(wire.NoteKind.WAITS_FOR, told))
         owed, idle = open_waits.split(waits) if waits else ((), ())
         self._items += [wire.idle(len(idle))] if idle else []
-        self.is_granted = self.is_starting = False
+        self.is_granted = False
+        self.is_starting = self._keeps_starting
         if is_background:
             self._items.append(wire.background())
         elif (may_foresee and self._foresight is not None and self.scheduler.can_foresee

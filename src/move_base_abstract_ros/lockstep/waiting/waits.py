@@ -128,6 +128,8 @@ class _Waits:
                 is_there = self._scheduler.wait_until(lambda: messages, self._wake_ns(timeout),
                                                       'a message on {}'.format(topic))
             if not is_there:
+                if not self._participant.topics.is_of_participants(rospy.resolve_name(topic)):
+                    self._label_in_vain('a message on {}'.format(topic))
                 raise rospy.ROSException('timeout exceeded while waiting for message on topic {}'.format(topic))
         finally:
             subscriber.unregister()
@@ -142,7 +144,15 @@ class _Waits:
         with _until_shutdown():
             is_found = self._participant.services.wait_for(name, timeout_ns)
         if not is_found:
+            self._label_in_vain('service {}'.format(name))
             raise rospy.ROSException('timeout exceeded while waiting for service {}'.format(name))
+
+    def _label_in_vain(self, what: str) -> None:
+        """Label the run if nodes that do not take part may have ``what``, for which a thread has waited in vain."""
+        others = rospy.get_param('/time_master/onlookers', [])
+        if others:
+            self._participant.label('{} was waited for in vain; {}, which may have it, look on'.format(
+                what, ', '.join(others)))
 
     def wait_for_result(self, client: Any, timeout: Any = genpy.Duration()) -> bool:
         """Stand in for SimpleActionClient.wait_for_result."""
