@@ -20,6 +20,7 @@
 #include "allocations.h"
 #include "launcher.h"
 #include "node.h"
+#include "roscpp_shim/machine/kernel.h"
 #include "turn.h"
 
 namespace move_base_abstract::shim {
@@ -67,7 +68,7 @@ bool isFollowing() {
 
 bool isFirstThread() {
   thread_local const bool is_first __attribute__((tls_model("initial-exec"))) =
-      ::syscall(SYS_gettid) == ::syscall(SYS_getpid);
+      askKernel(SYS_gettid) == askKernel(SYS_getpid);
   return is_first;
 }
 

@@ -11,6 +11,7 @@
 
 #include "followed.h"
 #include "node.h"
+#include "roscpp_shim/machine/kernel.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
 
@@ -26,11 +27,11 @@ using Lock = std::lock_guard<PlainMutex>;
 enum class Phase { kBefore, kActive, kOver };
 std::atomic<Phase> phase{Phase::kBefore};
 
-int ownTid() { return static_cast<int>(::syscall(SYS_gettid)); }
+int ownTid() { return static_cast<int>(askKernel(SYS_gettid)); }
 
 bool isInFirstThread() {
   if (t_local.first == 0) {
-    t_local.first = ownTid() == static_cast<int>(::syscall(SYS_getpid)) ? 1 : -1;
+    t_local.first = ownTid() == static_cast<int>(askKernel(SYS_getpid)) ? 1 : -1;
   }
   return t_local.first > 0;
 }

@@ -112,6 +112,7 @@ Woken Turn::wait(Wait wait) {
   }
   me->clock_reads = 0;
   me->yields = 0;
+  me->tries = 0;
   const bool is_over = me->is_signalled || (me->wait.is_over && me->wait.is_over());
   return is_over ? Woken::kReady : Woken::kTime;
 }

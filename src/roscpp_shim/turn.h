@@ -71,6 +71,9 @@ struct Task {
   Nanoseconds slept = 0;          // for how long altogether,
   unsigned naps = 0;              // and how often
   unsigned yields = 0;            // in a row
+  unsigned tries = 0;             // to take a lock, in vain and in a row
+  unsigned calls = 0;             // of services, in a row
+  Nanoseconds called_at = -1;     // instant of the last of them
   bool sleeps_simulated = false;  // these sleeps were too long, so its sleeps are simulated now
   std::function<void*()> main;    // its function, until it has begun
   std::vector<std::function<void()>> at_end;

@@ -22,8 +22,13 @@ void setStoringLoops(StoringLoops is_storing);
  * it lets simulated time go on. */
 void countLook(unsigned* count, unsigned limit);
 
-/** @brief Let the other threads go first; in a loop, time goes on. @pre The thread has the turn. */
-void giveWay();
+/** @brief Let the other threads go first; in a loop of @p call, time goes on. @pre The thread has
+ * the turn. */
+void giveWay(const char* call);
+
+/** @brief Count a try to take a lock, if it was in vain. A loop of them gives way.
+ * @return @p result. */
+int tried(int result, bool is_vain);
 
 /** @brief Sleep by the wall clock [ns]. @pre The thread has the turn. */
 void sleepWall(Nanoseconds duration);

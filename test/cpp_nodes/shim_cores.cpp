@@ -45,6 +45,8 @@ int nodeMain(int argc, char** argv) {
     _exit(0);
   }
   waitpid(child, nullptr, 0);
+  unsetenv("OMP_NUM_THREADS");  // nproc believes these, which the launcher has set
+  unsetenv("OMP_THREAD_LIMIT");
   std::system("echo system $(nproc)");
   char line[80] = "";
   FILE* const pipe = popen("echo popen $(nproc)", "r");

@@ -1,19 +1,26 @@
 // Objects on the heap, in sets that are ordered by address. Callbacks of an AsyncSpinner and
 // threads make them, and messages that are kept are among them. It publishes the order on "told".
+#include <linux/futex.h>
 #include <malloc.h>
+#include <pthread.h>
 #include <ros/ros.h>
+#include <semaphore.h>
 #include <std_msgs/String.h>
+#include <std_srvs/Empty.h>
 #include <stdlib.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <random>
 #include <set>
+#include <shared_mutex>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -29,6 +36,8 @@ struct Robot {
 };
 
 std::unique_ptr<Teller> teller;
+std::mutex mutex;
+std::shared_mutex readers;
 
 /** @brief Robots and messages in the order of addresses; callbacks of several topics add them. */
 class Team {
@@ -133,25 +142,50 @@ void threads() {
                                              : "threads leave " + std::to_string(after - before));
 }
 
-/** The main thread spins until another thread changes a variable. */
-void spins(const std::string& how) {
-  std::atomic<bool> is_set{false};
+/** The main thread does @p look again and again until another thread changes @p word. */
+void spins(std::atomic<int>* word, const std::function<void()>& look) {
+  *word = 0;
   std::thread thread([&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<std::shared_mutex> writer(readers);
     ros::Duration(0.5).sleep();
-    is_set = true;
+    *word = 1;
+    syscall(SYS_futex, word, FUTEX_WAKE, 1, nullptr, nullptr, 0);
     teller->say("sets it");
   });
-  const bool gives_way = how == "yields";
-  const bool naps = how == "naps";
-  while (!is_set) {
-    if (gives_way) {
-      std::this_thread::yield();
-    } else if (naps) {
-      usleep(0);
-    }
+  ros::Duration(0.1).sleep();
+  while (*word == 0) {
+    look();
   }
   teller->say("sees it " + std::to_string(ros::Time::now().toNSec() / 10000000));
   thread.join();
+}
+
+bool doNothing(std_srvs::Empty::Request&, std_srvs::Empty::Response&) { return true; }
+
+/** Loops that wait by calls which do not wait. */
+void ways(ros::NodeHandle& node) {
+  std::atomic<int> word{0};
+  sem_t never;
+  sem_init(&never, 0, 0);
+  pthread_spinlock_t taken;
+  pthread_spin_init(&taken, 0);
+  pthread_spin_lock(&taken);
+  const auto server = node.advertiseService("nothing", &doNothing);
+  auto client = node.serviceClient<std_srvs::Empty>("nothing");
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  std_srvs::Empty call;
+  spins(&word, [] { std::this_thread::yield(); });
+  spins(&word, [] { usleep(0); });
+  spins(&word, [] { syscall(SYS_sched_yield); });
+  spins(&word, [] { mutex.try_lock(); });
+  spins(&word, [] { readers.try_lock(); });
+  spins(&word, [] { readers.try_lock_shared(); });
+  spins(&word, [&] { pthread_spin_trylock(&taken); });
+  spins(&word, [&] { sem_trywait(&never); });
+  spins(&word, [&] { syscall(SYS_futex, &word, FUTEX_WAIT, 0, nullptr, nullptr, 0); });
+  spins(&word, [&] { client.call(call); });
 }
 
 }  // namespace
@@ -168,8 +202,11 @@ int main(int argc, char** argv) {
     calls();
   } else if (what == "threads") {
     threads();
+  } else if (what == "ways") {
+    ways(node);
   } else {
-    spins(what);
+    std::atomic<int> word{0};
+    spins(&word, [] {});
   }
   ros::Duration(0.5).sleep();
   own.setParam("done", true);

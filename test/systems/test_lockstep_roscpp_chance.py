@@ -104,6 +104,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
     def test_what_is_not_followed_is_labelled_by_name_and_place(self):
         shared = 'a semaphore is shared with other processes'
         told = {'getpid': 'getpid() is another number in another run', 'sem_open': shared, 'sem_init': shared}
+        told['syscall'] = 'syscall(SYS_gettid) is another number in another run'
         told.update((what, what + '() says how long the processor has worked') for what in ('times', 'getrusage'))
         told.update((what, what + '() looks at a connection or a file, by the wall clock')
                     for what in ('poll', 'ppoll', 'select', 'pselect', 'epoll_wait', 'epoll_pwait'))

@@ -189,6 +189,12 @@ int sem_wait(sem_t* semaphore) {
                              [semaphore](const timespec*) { return function(semaphore); });
 }
 
+int sem_trywait(sem_t* semaphore) {
+  static auto* const function = shim::real(&::sem_trywait, "sem_trywait");
+  const int result = function(semaphore);
+  return shim::tried(result, result != 0 && errno == EAGAIN);
+}
+
 int sem_timedwait(sem_t* semaphore, const timespec* deadline) {
   static auto* const function = shim::real(&::sem_timedwait, "sem_timedwait");
   return shim::takeSemaphore(semaphore, CLOCK_REALTIME, deadline,
@@ -225,6 +231,18 @@ int pthread_rwlock_wrlock(pthread_rwlock_t* lock) {
   return shim::takeUntil(
       lock, [lock] { return pthread_rwlock_trywrlock(lock); }, CLOCK_REALTIME, nullptr,
       [lock](const timespec*) { return function(lock); });
+}
+
+int pthread_rwlock_tryrdlock(pthread_rwlock_t* lock) {
+  static auto* const function = shim::real(&::pthread_rwlock_tryrdlock, "pthread_rwlock_tryrdlock");
+  const int result = function(lock);
+  return shim::tried(result, result == EBUSY);
+}
+
+int pthread_rwlock_trywrlock(pthread_rwlock_t* lock) {
+  static auto* const function = shim::real(&::pthread_rwlock_trywrlock, "pthread_rwlock_trywrlock");
+  const int result = function(lock);
+  return shim::tried(result, result == EBUSY);
 }
 
 int pthread_rwlock_timedrdlock(pthread_rwlock_t* lock, const timespec* deadline) {
@@ -269,6 +287,12 @@ int pthread_spin_lock(pthread_spinlock_t* lock) {
   return shim::takeUntil(
       const_cast<int*>(lock), [lock] { return pthread_spin_trylock(lock); }, CLOCK_REALTIME,
       nullptr, [lock](const timespec*) { return function(lock); });
+}
+
+int pthread_spin_trylock(pthread_spinlock_t* lock) {
+  static auto* const function = shim::real(&::pthread_spin_trylock, "pthread_spin_trylock");
+  const int result = function(lock);
+  return shim::tried(result, result == EBUSY);
 }
 
 int pthread_spin_unlock(pthread_spinlock_t* lock) {

@@ -27,8 +27,8 @@ Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 }  // namespace
 
 /** A thread that gives way again and again waits for something that may need time to go on. */
-void giveWay() {
-  tellPassage("sched_yield(), or a sleep of no length,");
+void giveWay(const char* call) {
+  tellPassage(call);
   Task& me = *Turn::self();
   const unsigned yields = me.yields + 1;
   Wait wait;
@@ -41,11 +41,21 @@ void giveWay() {
   me.yields = yields;  // any other wait begins the count anew
 }
 
+int tried(int result, bool is_vain) {
+  constexpr unsigned kTries = 100;
+  if (is_vain && turn().holds() && ++Turn::self()->tries >= kTries) {
+    const int error = errno;
+    giveWay("a try to take a lock");
+    errno = error;
+  }
+  return result;
+}
+
 void sleepWall(Nanoseconds duration) {
   Task& me = *Turn::self();
   me.has_acted = true;
   if (duration <= 0) {
-    giveWay();
+    giveWay("a sleep of no length");
     return;
   }
   Wait wait;
@@ -121,7 +131,7 @@ int sched_yield() {
   if (!shim::ordered()) {
     return function();
   }
-  shim::giveWay();
+  shim::giveWay("sched_yield()");
   return 0;
 }
 

@@ -191,6 +191,12 @@ int pthread_mutex_lock(pthread_mutex_t* mutex) {
                                                                  : shim::lockMutex(mutex);
 }
 
+int pthread_mutex_trylock(pthread_mutex_t* mutex) {
+  static auto* const function = shim::real(&::pthread_mutex_trylock, "pthread_mutex_trylock");
+  const int result = function(mutex);
+  return shim::tried(result, result == EBUSY);
+}
+
 int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* deadline) {
   static auto* const function = shim::real(&::pthread_mutex_timedlock, "pthread_mutex_timedlock");
   const int result = shim::takeByTurns(mutex, shim::lasting(CLOCK_REALTIME, deadline));

@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "kernel.h"
+
 #ifndef MAP_FIXED_NOREPLACE
 #define MAP_FIXED_NOREPLACE 0x100000
 #endif
@@ -70,14 +72,12 @@ bool OrderedHeap::fits(const void* address, std::size_t size) const {
 
 void OrderedHeap::reserve() {
   void* const wished = reinterpret_cast<void*>(kBase);
-  const int error = errno;
   // The system call itself, because the first call of mmap() allocates memory here.
   const long result =
-      ::syscall(SYS_mmap, wished, kRoom, PROT_NONE,
-                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0L);
+      askKernel(SYS_mmap, static_cast<long>(kBase), kRoom, PROT_NONE,
+                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED_NOREPLACE, -1, 0);
   void* const found = reinterpret_cast<void*>(result);
-  errno = error;
-  if (found != wished && found != MAP_FAILED) {
+  if (found != wished && result > 0) {
     ::munmap(found, kRoom);  // a kernel before 4.17 takes the address as a hint only
   }
   state_ = found == wished ? State::kReady : State::kRefused;
@@ -194,7 +194,7 @@ void OrderedHeap::takeBack() {
 void OrderedHeap::lock() {
   for (int looks = 0; lock_.test_and_set(std::memory_order_acquire); ++looks) {
     if (looks >= kPatience) {
-      ::syscall(SYS_sched_yield);
+      askKernel(SYS_sched_yield);
     }
   }
 }
