@@ -62,6 +62,21 @@ void Departures::depart(MemberId id, const std::string& how) {
   run_.changed.add(id, member);
 }
 
+void Departures::lose(MemberId id) {
+  const auto found = run_.members.find(id);
+  const bool is_unknown = found != run_.members.end() && !found->second.departing &&
+                          !found->second.crashing && run_.rounds.started() && !run_.rounds.ended();
+  const std::string killed =
+      run_.text.quoted(id) + " ended" + run_.text.at() +
+      " without a word, as a process that somebody kills when the wall clock says so";
+  die(id, "its connection was lost");
+  if (is_unknown && run_.interruption.isActive()) {
+    run_.interruption.keep({Interruption::Label::Kind::kInput, id, killed});
+  } else if (is_unknown) {
+    run_.labels.addNotRepeatable(killed);
+  }
+}
+
 void Departures::die(MemberId id, const std::string& how) {
   const auto found = run_.members.find(id);
   if (found == run_.members.end() || found->second.departing) {

@@ -22,7 +22,9 @@ class Departures {
   void leave(MemberId id, const wire::Leave& leave);
   /** @brief A participant has sent its last report. */
   void reportedLast(MemberId id);
-  /** @brief A participant's connection is lost or closed. */
+  /** @brief A participant's connection is lost: its process has crashed, or somebody killed it. */
+  void lose(MemberId id);
+  /** @brief A participant dies. @param how why, for people. */
   void die(MemberId id, const std::string& how);
   /**
    * @brief Remove a participant when the round is over. @param how the verb for messages, such as

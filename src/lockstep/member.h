@@ -43,6 +43,7 @@ struct SessionMember {
   std::deque<WalkedTurn> walked;     // turns that must wait, as others may act before them
   bool departing = false;            // is removed when the round is over
   bool dead = false;                 // ... as its connection was lost or dropped
+  bool crashing = false;             // has said that it ends by its own doing
   std::string how;
   std::string granted;        // the items of its latest grant, if they are few
   std::string where;          // its own words, in the latest grant: what its thread does

@@ -80,6 +80,8 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
     departures_.leave(connection.member, *leave);
   } else if (const auto* stopping = std::get_if<wire::Stopping>(&decoded); stopping && greeted) {
     departures_.toldToEnd(connection.member, *stopping);
+  } else if (std::holds_alternative<wire::Crashing>(decoded) && greeted) {
+    member->second.crashing = true;
   } else if (const auto* busy = std::get_if<wire::Busy>(&decoded); busy && greeted) {
     silence_.takeBusy(connection.member, *busy);
   } else {
@@ -96,7 +98,7 @@ void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
   poll_due_ = true;
   run_.interruption.lost(id, run_.wall);
   if (const MemberId member = run_.connections.remove(id); member != 0) {
-    departures_.die(member, "its connection was lost");
+    departures_.lose(member);
   }
 }
 
@@ -297,9 +299,7 @@ Nanoseconds LockstepSession::nextWake() const {
 
 /**
  * @brief Label the run, if a participant depends on the parameter. A change before the first round
- * does not count, since the parameter probably has this value in every run. During an interruption
- * the label is kept back: participants that are told to end set parameters at once, which matters
- * only if the run goes on.
+ * does not count. During an interruption the label is kept back: who is told to end sets at once.
  */
 void LockstepSession::parameterChangedOutside(const std::string& name) {
   // Nodes that are told to end delete their parameters, which does not matter when all have gone.

@@ -22,7 +22,6 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 import xmlrpc.client
 from typing import TYPE_CHECKING, Any, BinaryIO, Dict, List, Mapping, Optional, Sequence, Type, Union
@@ -32,6 +31,8 @@ import rospkg
 from roslib import packages
 
 from move_base_abstract.common import processes
+
+from .process import guard
 
 if TYPE_CHECKING:
     from move_base_abstract.common.processes import Forked
@@ -91,7 +92,7 @@ class Loopback:
         self._use_sim_time = use_sim_time
         self._children: List[Any] = []
         try:
-            self.log_dir = tempfile.mkdtemp(prefix=PACKAGE + '_')
+            self.log_dir = guard.folder(PACKAGE + '_')
         except OSError as error:
             raise LoopbackError(f'no folder for the logs can be made in TMPDIR or /tmp: {error.strerror}') from None
         self.uri: Any = None
@@ -161,7 +162,9 @@ class Loopback:
         self._children = []
         _end(nodes)
         _end(master)
-        if not keep_logs:
+        if keep_logs:
+            guard.keep(self.log_dir)
+        else:
             shutil.rmtree(self.log_dir, ignore_errors=True)
 
     def _start_master(self) -> None:
@@ -212,8 +215,8 @@ class Loopback:
 
     def _start(self, command: Sequence[str], log: BinaryIO) -> Any:
         """Start a process; return its subprocess.Popen, or processes.Forked."""
-        guard: Any = [_find_program('setpriv'), '--pdeathsig', 'KILL', '--']
-        return subprocess.Popen(guard + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+        setpriv: Any = [_find_program('setpriv'), '--pdeathsig', 'INT' if guard.is_there() else 'KILL', '--']
+        return subprocess.Popen(setpriv + command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                                 env=self.environment, start_new_session=True)
 
     def _log_path(self, name: str) -> str:

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "callers.h"
+#include "libc/crashes.h"
 #include "libc/preload.h"
 
 namespace move_base_abstract::native {
@@ -14,6 +15,7 @@ using Sleep = int(Nanoseconds);
 
 std::atomic<Sleep*> sleep_in_python{nullptr};
 char* seed_text = nullptr;
+shim::CrashWord crash_word;
 thread_local Nanoseconds t_epoch __attribute__((tls_model("initial-exec"))) = 0;
 
 __attribute__((constructor)) void leaveEnvironment() { shim::leavePreload("python_shim"); }
@@ -32,6 +34,14 @@ Sees sees(const void* caller) {
 bool sleepInPython(Nanoseconds duration) {
   Sleep* const function = sleep_in_python.load();
   return function == nullptr || function(duration) == 0;
+}
+
+void tellOfCrashes(int socket, pid_t process, const char* bytes, size_t size) {
+  crash_word.bytes = bytes;
+  crash_word.size = size;
+  crash_word.process = process;
+  crash_word.socket = socket;
+  shim::tellOfCrashes<crash_word>();
 }
 
 const char* seedText() { return seed_text == nullptr ? "" : seed_text; }
@@ -53,6 +63,13 @@ void move_base_abstract_native_begin(const char* text, int (*sleep)(std::int64_t
   native::seed_text = strdup(text);
   native::sleep_in_python = sleep;
   native::seedGenerators();
+}
+
+/** @brief Send @p bytes, which stay where they are, to @p socket if the process, whose number is
+ * @p process, crashes. */
+void move_base_abstract_native_crashes(int socket, int process, const char* bytes,
+                                       std::size_t size) {
+  native::tellOfCrashes(socket, process, bytes, size);
 }
 
 /** @brief Note that the calling thread takes turns from now on, or stops taking turns. */

@@ -2,6 +2,8 @@
 #ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
 #define MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
 
+#include <sys/types.h>
+
 #include <atomic>
 
 #include "libc/instants.h"
@@ -44,6 +46,9 @@ Sees sees(const void* caller);
  * @return false if the sleep was interrupted. */
 bool sleepInPython(Nanoseconds duration);
 inline bool mayCall() { return cell(kMayCall) != 0; }
+
+/** @brief See move_base_abstract_native_crashes(). */
+void tellOfCrashes(int socket, pid_t process, const char* bytes, size_t size);
 
 /** @return the seed and the node's name, as one text. */
 const char* seedText();

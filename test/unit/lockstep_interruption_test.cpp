@@ -207,8 +207,9 @@ TEST(Interruption, DeathOfAnotherMeanwhileDegradesTheRunOnlyIfItGoesOn) {
     EXPECT_EQ(three.labels(), Texts{});
     if (goes_on) {
       three.pass(Interruption::kGrace);
-      ASSERT_EQ(three.labels().size(), 2U);
-      EXPECT_NE(three.labels()[0].find("'/b' died at 2 s"), std::string::npos);
+      ASSERT_EQ(three.labels().size(), 4U);
+      EXPECT_NE(three.labels()[0].find("'/b' ended at 2 s without a word"), std::string::npos);
+      EXPECT_NE(three.labels()[2].find("'/b' died at 2 s"), std::string::npos);
     } else {
       three.stop(3);
       EXPECT_EQ(three.labels(), Texts{});
@@ -226,8 +227,8 @@ TEST(Interruption, DeathOfOneThatWasToldToEndDegradesTheRunOnlyIfItGoesOn) {
   three.report(3, 3 * kSecond);
   EXPECT_EQ(three.labels(), Texts{});
   three.pass(Interruption::kGrace);
-  ASSERT_EQ(three.labels().size(), 1U);
-  EXPECT_NE(three.labels()[0].find("'/a' died at 2 s"), std::string::npos);
+  ASSERT_EQ(three.labels().size(), 2U);
+  EXPECT_NE(three.labels()[1].find("'/a' died at 2 s"), std::string::npos);
   EXPECT_EQ(three.phase(), "ended");
   EXPECT_FALSE(three.session.status().ended_as_wished);
 }
@@ -235,10 +236,25 @@ TEST(Interruption, DeathOfOneThatWasToldToEndDegradesTheRunOnlyIfItGoesOn) {
 TEST(Interruption, DeathWithoutAWordIsSaidAtOnceWhoeverEndsAfterIt) {
   Three three;
   three.cut(1);
-  EXPECT_EQ(three.labels().size(), 1U);
+  EXPECT_EQ(three.labels().size(), 2U);
   three.stop(2);
   three.stop(3);
-  EXPECT_EQ(three.labels().size(), 1U);
+  EXPECT_EQ(three.labels().size(), 2U);
+}
+
+TEST(Interruption, WhoDiesWithoutAWordLabelsTheRun) {
+  for (const bool is_told : {true, false}) {
+    Three three;
+    if (is_told) {
+      three.frame(1, wire::Crashing{});
+    }
+    three.cut(1);
+    EXPECT_EQ(three.session.status().degraded.size(), 1U);
+    EXPECT_EQ(three.session.status().not_repeatable,
+              is_told ? Texts{}
+                      : Texts{"'/a' ended at 2 s without a word, as a process that somebody kills "
+                              "when the wall clock says so"});
+  }
 }
 
 TEST(Strict, TheFirstLabelEndsTheRunBeforeAnythingComesOfIt) {

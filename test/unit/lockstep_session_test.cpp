@@ -254,7 +254,7 @@ TEST(Malformed, OnlyThatConnectionIsClosed) {
   pair.report(2, 3 * kSecond);
   pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
   EXPECT_TRUE(pair.closed[1]);
-  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 6, got 99");
+  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 7, got 99");
   EXPECT_FALSE(pair.closed[2]);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_EQ(pair.session.status().degraded.size(), 1U);
@@ -311,8 +311,8 @@ TEST(Malformed, GreetingsAreChecked) {
   stage.frame(1, wire::Knock{});
   EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
   stage.session.connect(2, stage.wall);
-  stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0, ""});
-  EXPECT_NE(stage.end[2].find("protocol must be 8, got 9 from '/a'"), std::string::npos);
+  stage.frame(2, wire::Hello{10, "/a", "", 0, false, 0, ""});
+  EXPECT_NE(stage.end[2].find("protocol must be 9, got 10 from '/a'"), std::string::npos);
   stage.session.connect(3, stage.wall);
   stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");

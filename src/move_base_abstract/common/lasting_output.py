@@ -1,7 +1,10 @@
 """Output of a program that manages other processes and so must go on when nobody reads its output any more."""
 import os
+import select
 import sys
 from typing import Any, TextIO, cast
+
+_poll = select.poll  # taken before it is replaced in programs that take part
 
 
 class _Lasting:
@@ -29,9 +32,26 @@ class _Lasting:
             self._throw_away()
 
     def _throw_away(self) -> None:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, self._stream.fileno())
-        os.close(nowhere)
+        _throw_away(self._stream.fileno())
+
+
+def _throw_away(descriptor: int) -> None:
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, descriptor)
+    os.close(nowhere)
+
+
+def drop_unread_outputs() -> None:
+    """Throw away, from now on, what this process prints to a pipe whose reader has gone: its end must not fail of it.
+
+    This holds for all that print: handlers of logging, libraries, programs that it starts.
+    """
+    looks = _poll()
+    for descriptor in (1, 2):
+        looks.register(descriptor, 0)
+    for descriptor, events in looks.poll(0):
+        if events & select.POLLERR:
+            _throw_away(descriptor)
 
 
 def outlive_readers() -> None:

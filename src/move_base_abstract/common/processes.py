@@ -80,21 +80,40 @@ def importing() -> Iterator[None]:
         gc.enable()
 
 
-def die_with(parent: int) -> None:
-    """Make the kernel end this process when its parent, the process ``parent``, ends."""
-    _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+def die_with(parent: int, ends_by: int = signal.SIGKILL) -> None:
+    """Make the kernel send the signal ``ends_by`` to this process when its parent, the process ``parent``, ends."""
+    _LIBC.prctl(PR_SET_PDEATHSIG, ends_by, 0, 0, 0)
     if os.getppid() != parent:
         os._exit(1)
 
 
 def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[str] = None,
-         new_session: bool = False) -> int:
+         new_session: bool = False, ends_by: int = signal.SIGKILL) -> int:
     """Start a child that calls body() and ends with its exit code; return its process id.
 
     ``output``: the path of a file for what it prints. The child leads a process group of its own.
+    ``ends_by``: the signal that it gets when this process ends; 0: none.
 
     :raises RuntimeError: if this process has a second thread.
     """
+    code, pid = 1, fork_on(new_session, ends_by)
+    if pid:
+        return pid
+    try:
+        if output is not None:
+            redirect(output)
+        if cwd is not None:
+            os.chdir(cwd)
+        code = _code_of(body)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        finish(code)
+    return pid  # never reached: finish() does not return
+
+
+def fork_on(new_session: bool = False, ends_by: int = signal.SIGKILL) -> int:
+    """Start a child as fork() does, which goes on here, with 0; return its process id in this process."""
     assert_one_thread()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
@@ -108,23 +127,11 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
                 os.setpgid(pid, pid)
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    if pid:
-        return pid
-    code = 1
-    try:
-        die_with(parent)
+    if pid == 0:
+        die_with(parent, ends_by)
         os.setsid() if new_session else os.setpgid(0, 0)
         _take_defaults()
-        if output is not None:
-            redirect(output)
-        if cwd is not None:
-            os.chdir(cwd)
-        code = _code_of(body)
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        finish(code)
-    return pid  # never reached: finish() does not return
+    return pid
 
 
 def execute(words: List[str], environment: Mapping[str, str], output: str, cwd: str) -> int:

@@ -36,10 +36,21 @@ def temporary_folder(say: Callable[[str], None]) -> Iterator[Optional[str]]:
         _clear(path, say)
         yield path
     finally:
-        _clear(path, say)
-        with contextlib.suppress(OSError):  # it is not empty, and a message has said so
-            os.rmdir(path)
-        os.close(held)
+        _leave(path, held, say)
+
+
+def clear_left(path: str, say: Callable[[str], None]) -> None:
+    """Do what :func:`temporary_folder` does at its end, for a process that was killed, unless another run has it."""
+    held = _hold(path) if os.path.isdir(path) else None
+    if held is not None:
+        _leave(path, held, say)
+
+
+def _leave(path: str, held: int, say: Callable[[str], None]) -> None:
+    _clear(path, say)
+    with contextlib.suppress(OSError):  # it is not empty, and a message has said so
+        os.rmdir(path)
+    os.close(held)
 
 
 def _hold(path: str) -> Optional[int]:

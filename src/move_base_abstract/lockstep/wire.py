@@ -32,7 +32,8 @@ def _numbers(layouts: Any, names: Any) -> Any:
     return (layouts[name].number for name in names.split())
 
 
-HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY = _numbers(FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY')
+HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY, CRASHING = _numbers(
+    FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY CRASHING')
 WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
 # The kinds, the first byte, of those items that other modules use.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
@@ -156,6 +157,11 @@ def leave(reason: str) -> bytes:
 def stopping(reason: str) -> bytes:
     """Return the frame by which a participant that was told to end says so before it leaves."""
     return frame(STOPPING, text(reason))
+
+
+def crashing() -> bytes:
+    """Return the frame by which a participant says that it ends by its own doing, and not because it is killed."""
+    return frame(CRASHING)
 
 
 def busy(round_number: int, where: str) -> bytes:

@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 8
+PROTOCOL = 9
 NEVER = 2 ** 63 - 1
 #: the largest frame, without its length field [bytes]; a longer one is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -52,6 +52,7 @@ PARTICIPANT_FRAMES = (
     Layout(5, 'STOPPING', ('text reason',)),  # it was told to end, at some moment of the wall clock, and will leave
     # The work on a grant takes long. where: what the thread that has the turn is doing, the innermost function last.
     Layout(6, 'BUSY', ('u64 round', 'text where')),
+    Layout(7, 'CRASHING', ()),  # it ends now, by its own doing, and says no more
 )
 
 MASTER_FRAMES = (

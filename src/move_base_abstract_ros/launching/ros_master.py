@@ -3,6 +3,7 @@ import contextlib
 import http.client
 import os
 import select
+import signal
 import sys
 import time
 import xmlrpc.client
@@ -10,10 +11,12 @@ import xmlrpc.client
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
 
+from ..process import guard
 from ..process.ros_master_watch import proxy_of
 
 _START_S = 20.0  # wall
 _ALIVE_S = 0.5  # wall
+_ORPHANED_LOOKS = 3  # after its parent's end, while nodes unregister
 _ANSWER_S = 20.0  # wall
 _REGISTERED_S, _LOOK_S = 10.0, 0.01  # wall
 
@@ -28,7 +31,7 @@ def start(output):
     :raises MasterError: if it does not start within 20 s of wall time.
     """
     read, write = os.pipe()
-    pid = processes.fork(lambda: _serve(read, write), output)
+    pid = processes.fork(lambda: _serve(read, write), output, ends_by=0 if guard.is_there() else signal.SIGKILL)
     os.close(write)
     try:
         ready, _, _ = select.select([read], [], [], _START_S)
@@ -50,14 +53,16 @@ def _serve(read, write):
 
 
 def serve(tell):
-    """Be a ROS master until the end of the process. Call ``tell(uri)`` when it answers."""
+    """Be a ROS master until the end of the process, or soon after its parent's. Call ``tell(uri)`` when it answers."""
     from rosmaster.master import Master
+    parent, looks = os.getppid(), 0
     master = Master(0)
     master.start()
     tell(master.uri)
     with contextlib.suppress(KeyboardInterrupt):
-        while master.ok():
+        while master.ok() and looks < _ORPHANED_LOOKS:
             time.sleep(_ALIVE_S)
+            looks += os.getppid() != parent
     sys.exit(0)
 
 

@@ -223,8 +223,12 @@ class Run:
                 return one.name, self._code(one.pids[-1]), one.output.printed()
         return None
 
-    def end(self):
-        """End all processes, and return their ends.Process. Time stops first, so that no node goes on by the clock."""
+    def end(self, patience=None):
+        """End all processes, and return their ends.Process. Time stops first, so that no node goes on by the clock.
+
+        ``patience``: another Patience than the run's own.
+        """
+        self._patience = patience or self._patience
         self._news()
         self._pause(0.0)
         for one in self._processes:

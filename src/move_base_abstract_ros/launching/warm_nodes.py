@@ -14,6 +14,7 @@ import importlib
 import io
 import os
 import re
+import signal
 import sys
 import tempfile
 import types
@@ -21,6 +22,7 @@ import types
 from move_base_abstract.common import processes
 
 from ..lockstep.programs import address_layout, native_library
+from ..process import guard
 
 _FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_', 'LC_', 'LANG', 'TZ',
           'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT')
@@ -112,6 +114,7 @@ def start(words, environment, enter, cwd, launcher, is_warm=True):
 
     words: program and arguments. environment: {name: value}. enter: called first in the new process, to give it its
     outputs. cwd: the working folder. launcher: path of our launcher. is_warm: whether a fork is allowed.
+    With a guard, which ends all that is left, it ends by SIGINT if this process dies: its last words are heard.
     """
     environment = with_log_settings(environment)
 
@@ -122,7 +125,7 @@ def start(words, environment, enter, cwd, launcher, is_warm=True):
             become(words, {**processes.for_one_thread(environment), **environment})
         else:
             processes.become(words, environment)
-    return processes.fork(begin, new_session=True)
+    return processes.fork(begin, new_session=True, ends_by=signal.SIGINT if guard.is_there() else signal.SIGKILL)
 
 
 def is_fit(words, environment, launcher):

@@ -5,6 +5,9 @@ import os
 import signal
 import sys
 
+from ..process import guard
+
+_GUARDED = ('demo',)  # programs that import what starts threads; others call guard.stand() themselves
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
@@ -13,6 +16,8 @@ def start(name):
 
     There is no traceback if the user presses Ctrl-C, or if the output cannot be written.
     """
+    if name in _GUARDED:
+        guard.stand(name)
     is_main = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if is_main:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # during the imports, which take most of a second

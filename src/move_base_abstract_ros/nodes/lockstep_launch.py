@@ -17,6 +17,7 @@ from move_base_abstract.common.lasting_output import outlive_readers
 
 from ..launching import command_line, warm_nodes
 from ..launching.scripted import rostest_case
+from ..process import guard
 from ..process.process_end import leave
 from .launch_run import launched
 
@@ -31,6 +32,7 @@ def main():
         script.main(words[1:])
     outlive_readers()
     warm_nodes.start_again()
+    guard.stand('lockstep_launch')
     if rostest_case.is_asked(words):
         rostest_case.run(words, lambda rest: launched.launch(*launched.read_words(rest)))
     parser, options = launched.read_words(words)

@@ -16,7 +16,6 @@ import argparse
 import os
 import shutil
 import sys
-import tempfile
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
@@ -28,6 +27,7 @@ from move_base_abstract.common.shown import shown
 
 from ..launching import command_line, conditions, warm_nodes
 from ..loopback import LoopbackError
+from ..process import guard
 from .launch_run import launched
 
 with warm_nodes.importing():
@@ -41,6 +41,7 @@ def main(words=None):
     outlive_readers()
     words = sys.argv[1:] if words is None else words
     warm_nodes.start_again()
+    guard.stand('verify')
     processes.adopt_orphans()
     with warm_nodes.importing():
         options, launch_words = _parse(words)
@@ -65,7 +66,7 @@ def _verify(options, launch_words):
     """
     folder = options.output
     if folder is None:
-        folder = tempfile.mkdtemp(prefix='move_base_abstract_verify_')
+        folder = guard.folder('move_base_abstract_verify_')
     else:
         folder = os.path.abspath(folder)  # because nodes run in another working folder
         if os.path.isdir(folder) and os.listdir(folder):
@@ -82,6 +83,7 @@ def _verify(options, launch_words):
         if options.output is None and code in (verification.IDENTICAL, verification.CANNOT):
             shutil.rmtree(folder)  # this process made it above
         else:
+            guard.keep(folder)
             print('verify: logs and outputs are in {}'.format(folder), flush=True)
 
 

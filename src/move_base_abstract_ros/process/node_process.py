@@ -16,6 +16,7 @@ import rospkg
 import rospy
 
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.lasting_output import drop_unread_outputs
 from move_base_abstract.common.shown import shown_text
 
 from ..replacing import rospy_start
@@ -85,6 +86,7 @@ def _shut_down(signal: str, name: str, end: ProcessEnd) -> None:
         if not end.is_in_service:
             leave(0)
         end.hasten(_MASTER_TIMEOUT_S)
+    drop_unread_outputs()
     rospy.signal_shutdown(signal)
 
 

@@ -125,6 +125,7 @@ _ROWS = (
         'does nothing: time comes with the grants, not on /clock', ('1d47ac6f2d40',)),
     Row('rospy.core.signal_shutdown', LOCKSTEP,
         'tells the time master first, if a signal or another node ends this one', ('1be84b9b1b33', '51e015a07699')),
+    Row('os.kill', LOCKSTEP, 'tells the time master first, if the process ends itself'),
     Row('rospy.topics._SubscriberImpl._invoke_callback', LOCKSTEP, _UNCAUGHT, ('81c97c7de4c4',)),
     Row('rospy.impl.tcpros_service.ServiceImpl.error_handler', LOCKSTEP, _UNCAUGHT, ('0c79cd978086',)),
     *_rows(LOCKSTEP, _UNCAUGHT, 'actionlib.simple_action_server.SimpleActionServer.__init__',

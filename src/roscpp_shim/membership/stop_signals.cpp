@@ -1,6 +1,7 @@
 #include "stop_signals.h"
 
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -8,6 +9,7 @@
 #include <csignal>
 #include <string>
 
+#include "libc/crashes.h"
 #include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::lockstep::internal {
@@ -23,6 +25,7 @@ std::atomic<bool> came{false};
 std::atomic<bool> due{false};
 std::atomic<int> ending{0};  // the signal that ends the process once STOPPING is sent; 0: none
 std::string* frame = nullptr;
+shim::CrashWord crash_word;
 std::array<struct sigaction, 2> replaced_actions;
 
 void tell() {
@@ -86,6 +89,12 @@ void announceStopSignals(int socket) {
       wire::encode(wire::ParticipantFrame(wire::Stopping{"a signal has told it to end"}));
   frame = &stopping;
   connection = socket;
+  static const std::string crashing = wire::encode(wire::ParticipantFrame(wire::Crashing{}));
+  crash_word.bytes = crashing.data();
+  crash_word.size = crashing.size();
+  crash_word.process = ::getpid();
+  crash_word.socket = socket;
+  shim::tellOfCrashes<crash_word>();
   static bool is_installed = false;
   if (is_installed) {
     return;
@@ -108,6 +117,8 @@ void announceStopSignals(int socket) {
 void forgetStopSignals(int socket) {
   int mine = socket;
   connection.compare_exchange_strong(mine, -1);
+  mine = socket;
+  crash_word.socket.compare_exchange_strong(mine, -1);
 }
 
 bool stopSignalCame() { return came; }

@@ -1,17 +1,20 @@
 """A series of runs in lockstep: each ROSLaunchParent that a script starts becomes one, on a ROS master of its own."""
+import contextlib
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
+import threading
 from multiprocessing.connection import Connection
 
 from roslaunch.core import RLException
 
 from move_base_abstract.common.errors import ConfigurationError
 
+from ...process import guard
 from .deputised_rospy import Deputised
 
 _LOOK_S = 0.1  # wall
@@ -51,12 +54,17 @@ class Series:
         self._begin(files, log)
 
     def _begin(self, files, log):
-        with tempfile.TemporaryDirectory(prefix='lockstep_series_') as folder, socket.socket(socket.AF_UNIX) as door:
-            address = os.path.join(folder, 'deputy')
+        folder = guard.folder('lockstep_series_')
+        address = os.path.join(folder, 'deputy')
+        with contextlib.ExitStack() as stack:
+            stack.callback(shutil.rmtree, folder, ignore_errors=True)
+            door = stack.enter_context(socket.socket(socket.AF_UNIX))
             door.bind(address)
             door.listen(1)
             asked = json.dumps({'files': files, 'deputy': (self._name, address)})
             words = [sys.executable, self._program, *self._options, '--event-log', log, '--series', asked]
+            if threading.current_thread() is threading.main_thread():  # the signal comes when its thread has ended
+                words = ['setpriv', '--pdeathsig', 'TERM', '--', *words]
             process = self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL)
             accepted = self._accept(door, process)
             accepted.settimeout(None)  # a script may have set a time limit for all its new sockets

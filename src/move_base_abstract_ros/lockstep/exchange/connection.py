@@ -6,7 +6,7 @@ import socket
 import struct
 import time
 from contextlib import suppress
-from typing import Any, Tuple
+from typing import Any, Callable, Tuple
 
 from move_base_abstract.lockstep import wire
 from move_base_abstract.lockstep.own_cores import own_cores
@@ -33,6 +33,11 @@ class Connection:
         # Recursive, since a signal may make the main thread leave in the middle of sending.
         self._send_lock = _thread.RLock()  # type: ignore[attr-defined]
         self._buffer = bytearray()
+        self.before_close: Callable[[], None] = lambda: None
+
+    def fileno(self) -> int:
+        """Return the socket's descriptor."""
+        return self._socket.fileno()
 
     def send(self, data: bytes) -> None:
         """Send whole frames.
@@ -90,6 +95,7 @@ class Connection:
 
     def forget(self) -> None:
         """Close the connection in this process only, a forked child, whose parent goes on using it."""
+        self.before_close()
         self._socket.close()
         own_cores.restore()
 

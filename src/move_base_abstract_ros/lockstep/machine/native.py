@@ -15,7 +15,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Optional
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.lockstep import machine_view as view
+from move_base_abstract.lockstep import machine_view as view, wire
 from move_base_abstract.lockstep.scheduler import Scheduler
 from move_base_abstract.lockstep.task import TurnLost
 
@@ -66,6 +66,7 @@ class Native:
         self._sleep: Any = None
         self._callback: Any = None
         self._told = 0
+        self._last_word = wire.crashing()  # the library keeps its address
 
     def _find_cells(self) -> memoryview:
         find = self._library.move_base_abstract_native_cells
@@ -106,8 +107,14 @@ class Native:
             participant.label(ABSENT)
             return
         self.cells[_NOW] = participant.now_ns
+        self._tell_crashes(participant.connection.fileno())
+        participant.connection.before_close = lambda: self._tell_crashes(-1)
         participant.scheduler.shown_ns = self.cells[_NOW:_NOW + 1]
         participant.last_words.append(self._tell)
+
+    def _tell_crashes(self, descriptor: int) -> None:
+        self._library.move_base_abstract_native_crashes(descriptor, os.getpid(), self._last_word,
+                                                        ctypes.c_size_t(len(self._last_word)))
 
     @property
     def is_there(self) -> bool:

@@ -9,6 +9,7 @@ import atexit
 import logging
 import os
 import select
+import signal
 import sys
 import threading
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Callable, List, NoReturn, Optional, Tuple
 
 import rospy
 
+from move_base_abstract.common.lasting_output import drop_unread_outputs
 from move_base_abstract.lockstep.task import TurnLost
 
 from ...process.process_end import leave
@@ -64,14 +66,24 @@ def install(participant: Participant) -> None:
 
     def signal_shutdown(original: Callable[..., Any]) -> Callable[..., Any]:
         def _signal_shutdown(reason: str) -> None:
+            drop_unread_outputs()
             if _REPLACED in str(reason):
-                _fail('another node of its name has taken its place: {}'.format(reason))
+                _state.code = 1
+                rospy.logfatal('%s: another node of its name has taken its place: %s', rospy.get_name(), reason)
             if str(reason).startswith(_INTERRUPTS) or not participant.scheduler.is_mine():
                 participant.interrupted(str(reason))
             uncaught.follow_hooks()
             original(reason)
         return _signal_shutdown
 
+    _tell_ends(participant)
+    replace('threading._shutdown', shutdown)
+    replace_within(rospy.core.signal_shutdown, signal_shutdown)
+    replace('sys.excepthook', excepthook)
+
+
+def _tell_ends(participant: Participant) -> None:
+    """Tell the time master before the process ends itself at once, so that it is not taken for one that is killed."""
     own_pid = os.getpid()
 
     def exit_at_once(original: Callable[[int], NoReturn]) -> Callable[[int], NoReturn]:
@@ -79,13 +91,20 @@ def install(participant: Participant) -> None:
             """End the process without clean-up; what the program has published before is heard all the same."""
             if os.getpid() == own_pid and participant.scheduler.is_mine():
                 participant.leave('os._exit')
+            elif os.getpid() == own_pid:
+                participant.crashing()
             original(status)
         return _exit
 
-    replace('threading._shutdown', shutdown)
+    def kill(original: Callable[[int, int], None]) -> Callable[[int, int], None]:
+        def _kill(pid: int, number: int) -> None:
+            if (pid, number) == (own_pid, signal.SIGKILL):
+                participant.crashing()
+            original(pid, number)
+        return _kill
+
     replace('os._exit', exit_at_once)
-    replace_within(rospy.core.signal_shutdown, signal_shutdown)
-    replace('sys.excepthook', excepthook)
+    replace('os.kill', kill)
 
 
 def end_node(reason: str, as_wished: bool) -> None:
@@ -100,13 +119,12 @@ def end_node(reason: str, as_wished: bool) -> None:
 def _end_node(reason: str, as_wished: bool) -> None:
     if not as_wished:
         _await_own_signal()
-    if not rospy.core.is_shutdown_requested():
-        if as_wished:
-            rospy.loginfo('%s: %s', rospy.get_name(), reason)
-        else:
-            _fail(reason)
-        rospy.signal_shutdown(reason)
+    drop_unread_outputs()
     end_what_is_stuck()
+    if not rospy.core.is_shutdown_requested():
+        _state.code = _state.code if as_wished else 1
+        rospy.signal_shutdown(reason)
+        (rospy.loginfo if as_wished else rospy.logfatal)('%s: %s', rospy.get_name(), reason)
 
 
 def _await_own_signal() -> None:
@@ -114,11 +132,6 @@ def _await_own_signal() -> None:
         if rospy.core.is_shutdown_requested():
             return
         select.select([], [], [], _LOOK_SECONDS)
-
-
-def _fail(reason: str) -> None:
-    _state.code = 1
-    rospy.logfatal('%s: %s', rospy.get_name(), reason)
 
 
 def exit_code() -> Optional[int]:

@@ -146,6 +146,11 @@ class Participant:
         self.is_told_to_end = True
         self.connection.try_to_send(wire.stopping(reason))
 
+    def crashing(self) -> None:
+        """Tell the time master that the process ends at once, by its own doing. For any thread."""
+        if not self.scheduler.is_closed:
+            self.connection.try_to_send(wire.crashing())
+
     def _leave_in_turn(self, reason: str) -> None:
         """Leave in a round, after the last messages of shutdown hooks. Do not wait longer than the leave limit."""
         over = _make_lock()

@@ -1,6 +1,6 @@
 """The event log of a demo, and the replay page that is made from it when the demo is over."""
 import os
-import tempfile
+import shutil
 import time
 
 import rospkg
@@ -10,6 +10,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log_file import End, write_event_log
+from move_base_abstract_ros.process import guard
 
 PAGE = 'demo_replay.html'
 _FOLDER = 'move_base_abstract'  # below ROS_HOME
@@ -35,14 +36,14 @@ class RunLog:
         self._listens = False
 
     def __enter__(self):
-        self._folder = tempfile.TemporaryDirectory(prefix='move_base_abstract_demo_')
-        self.path = self._kept or os.path.join(self._folder.name, _LOG)
+        self._folder = guard.folder('move_base_abstract_demo_')
+        self.path = self._kept or os.path.join(self._folder, _LOG)
         #: for files that the demo makes
-        self.folder = os.path.join(self._folder.name, 'world')
+        self.folder = os.path.join(self._folder, 'world')
         return self
 
     def __exit__(self, *_):
-        self._folder.cleanup()
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def listen(self, *topics):
         """Collect all messages on ``topics`` (RobotEvent) from now on."""

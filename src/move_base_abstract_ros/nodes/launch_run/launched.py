@@ -6,7 +6,6 @@ import re
 import shutil
 import signal
 import sys
-import tempfile
 from contextlib import nullcontext
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -22,6 +21,7 @@ from move_base_abstract.radio import network
 from move_base_abstract.runs import ends
 
 from ...launching import command_line, warm_nodes
+from ...process import guard
 
 _GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
 #: parts of errors of launch files that were written for something that is not here
@@ -131,9 +131,11 @@ def read_words(words):
 
 def _run(options, files):
     """Run ``files`` [(path, arguments)], with a folder for what only this run needs; return the Launched."""
-    own = tempfile.mkdtemp(prefix='move_base_abstract_notes_')  # no TemporaryDirectory: forks would remove that, too
+    own = guard.folder('move_base_abstract_notes_')  # no TemporaryDirectory: forks would remove that, too
     try:
         with nullcontext() if options.list else temporary_folder(say) as folder:
+            if folder:
+                guard.clears(folder)
             return _run_in(own, folder, options, files)
     finally:
         shutil.rmtree(own, ignore_errors=True)
@@ -196,15 +198,18 @@ def _carry_out(made, log, run_id, options):
         warm_nodes.be_ready(plan.scripts_of(made), os.path.dirname(find_executable('lockstep')))
     this = run.Run(made, log, outputs.Screen(os.path.join(rospkg.get_log_dir(), run_id)), run.Patience(2.0, 15.0),
                    os.path.join(options.notes, 'start'), is_warm, is_quick=False)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda _number, _frame: this.stop())
+    asked = []
+    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(each, lambda number, _frame: (asked.append(number), this.stop()))
     this.start(rosgraph.get_master_uri() if options.use_master else '', on_failure=lambda name, text: print(
         'lockstep_launch: {} cannot be started: {}'.format(name, text), file=sys.stderr))
     problem = this.wait()
     is_bad = problem is not None and problem.kind != run.REQUIRED
     if is_bad:
         _complain(problem, this.printed(problem.name) if problem.code else (), problem.kind == run.ABSENT)
-    found = this.end()
+    found = this.end(run.Patience(1.0, 1.0) if guard.has_lost() else None)
+    if asked:
+        say(guard.why(asked[-1]))
     return _BAD if is_bad or this.has_failed else _GOOD, found
 
 

@@ -19,6 +19,7 @@ import types
 from move_base_abstract.common.errors import SimulatorError
 
 from ...loopback import LoopbackError, find_executable
+from ...process import guard
 
 _FOLDER = 'lockstep_series_logs'
 _NO_MASTER = 'http://127.0.0.1:1/'  # no program listens there: a script must not reach a system that runs elsewhere
@@ -30,6 +31,7 @@ def main(words):
     try:
         folder, options, words = _parse(words)
         _hash_alike()
+        guard.stand('lockstep_launch')
         again = _again(folder, options, words)
         code = _run(os.path.abspath(folder), options, words)
         if code == 0:
