@@ -10,6 +10,30 @@ constexpr std::size_t kMostTold = 10;
 
 }  // namespace
 
+const char* phaseName(LockstepPhase phase) {
+  switch (phase) {
+    case LockstepPhase::kWaitingForParticipants:
+      return "waiting_for_participants";
+    case LockstepPhase::kRunning:
+      return "running";
+    case LockstepPhase::kWaiting:
+      return "waiting";
+    case LockstepPhase::kLimited:
+      return "limited";
+    case LockstepPhase::kPaused:
+      return "paused";
+    case LockstepPhase::kIdle:
+      return "idle";
+    case LockstepPhase::kDeadlock:
+      return "deadlock";
+    case LockstepPhase::kZeroDelayLoop:
+      return "zero_delay_loop";
+    case LockstepPhase::kEnded:
+      return "ended";
+  }
+  return "unknown";
+}
+
 std::string StatusText::at() const { return " at " + secondsText(rounds_.now()); }
 
 std::string StatusText::nameOf(MemberId id) const {

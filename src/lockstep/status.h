@@ -30,6 +30,9 @@ inline constexpr std::string_view kZeroDelayLoop = "zero_delay_loop";  // it sto
 inline constexpr std::string_view kOther = "other";
 }  // namespace ended_by
 
+/** @return the phase as in the state message: "waiting_for_participants", "running", ... */
+const char* phaseName(LockstepPhase phase);
+
 /** @brief The content of a state message. */
 struct LockstepStatus {
   struct Waiting {

@@ -55,10 +55,9 @@ def rerun(output: str, name: str, until: float = 0.0, speed: float = 0.0, rviz: 
     elif not os.path.isfile(before):
         raise _not_run(before)
     left = _run(_job_of(one, until, speed, rviz), logs, stream)
-    if left.result.error and left.result.is_complete:
-        print(f'rerun: {left.result.error}', file=stream)
+    if left.result.error:
+        print('rerun: {}{}'.format('' if left.result.is_complete else 'failed: ', left.result.error), file=stream)
     if not left.result.is_complete:
-        print(f'rerun: failed: {left.result.error}', file=stream)
         code = FAILED
     elif one.experiment.function:
         code = _compare_function(left, before, was, stream)

@@ -58,8 +58,7 @@ int nodeMain(int argc, char** argv) {
   pid_t spawned = 0;
   posix_spawnp(&spawned, shell, nullptr, nullptr, words, environ);
   waitpid(spawned, nullptr, 0);
-  ros::Duration(1.0)
-      .sleep();  // the round may have been long, and then it had all cores for its rest
+  ros::Duration(1.0).sleep();  // a long round has all cores for its rest
   tell("has", had());
   sched_setaffinity(0, sizeof cores, &cores);
   tell("chose", had());

@@ -243,7 +243,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin
 
 std::vector<LockstepRounds::Grant> LockstepRounds::enterWindow(std::vector<MemberId> ids,
                                                                Nanoseconds wall) {
-  ++clock_.rounds;
+  clock_.rounds += ids.empty() ? 0 : 1;
   std::vector<Grant> grants;
   for (const MemberId id : ids) {
     MemberState& member = members_.at(id);
@@ -282,14 +282,11 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
 /** @return the grants with all that was sent to members and that they have not got yet. */
 std::vector<LockstepRounds::Grant> LockstepRounds::lastRound(Nanoseconds wall) {
   if (windows_.areThere()) {
-    std::vector<MemberId> ids = windows_.openLast();
-    return ids.empty() ? std::vector<Grant>{} : enterWindow(std::move(ids), wall);
-  }
-  for (const auto& [id, member] : members_.all()) {
-    members_.at(id).ready = member.present && (hasNews(member.mail) || !member.later.empty());
+    return enterWindow(windows_.openLast(), wall);
   }
   std::vector<MemberId> ids;
   for (const auto& [id, member] : members_.all()) {
+    members_.at(id).ready = member.present && (hasNews(member.mail) || !member.later.empty());
     if (member.ready) {
       ids.push_back(id);
     }
@@ -398,30 +395,6 @@ LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
     return LockstepPhase::kIdle;
   }
   return gate_.isHeldByLimit() ? LockstepPhase::kLimited : LockstepPhase::kRunning;
-}
-
-const char* phaseName(LockstepPhase phase) {
-  switch (phase) {
-    case LockstepPhase::kWaitingForParticipants:
-      return "waiting_for_participants";
-    case LockstepPhase::kRunning:
-      return "running";
-    case LockstepPhase::kWaiting:
-      return "waiting";
-    case LockstepPhase::kLimited:
-      return "limited";
-    case LockstepPhase::kPaused:
-      return "paused";
-    case LockstepPhase::kIdle:
-      return "idle";
-    case LockstepPhase::kDeadlock:
-      return "deadlock";
-    case LockstepPhase::kZeroDelayLoop:
-      return "zero_delay_loop";
-    case LockstepPhase::kEnded:
-      return "ended";
-  }
-  return "unknown";
 }
 
 }  // namespace move_base_abstract

@@ -32,9 +32,6 @@ enum class LockstepPhase {
   kEnded
 };
 
-/** @return the phase as in the state message: "waiting_for_participants", "running", ... */
-const char* phaseName(LockstepPhase phase);
-
 /**
  * @brief Decides which members are granted, when, and with which mail. It does not look into the
  * mail.

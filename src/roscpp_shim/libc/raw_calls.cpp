@@ -13,6 +13,7 @@
 #include <cstdarg>
 #include <initializer_list>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -89,6 +90,42 @@ bool isOneOf(int operation, std::initializer_list<int> kinds) {
   return std::count(kinds.begin(), kinds.end(), operation & FUTEX_CMD_MASK) > 0;
 }
 
+/** @return the result of the call of libc that does the same; nothing: there is none. */
+std::optional<long> followedCall(long number, const long* words) {
+  const auto operation = static_cast<int>(words[1]);
+  auto* const time = reinterpret_cast<timespec*>(words[1]);
+  switch (number) {
+    case SYS_futex:
+      if (ordered() && isOneOf(operation, {FUTEX_WAIT, FUTEX_WAIT_BITSET})) {
+        return awaitFutex(reinterpret_cast<int*>(words[0]), static_cast<int>(words[2]), operation,
+                          reinterpret_cast<const timespec*>(words[3]));
+      }
+      break;
+    case SYS_getrandom:
+      return ::getrandom(reinterpret_cast<void*>(words[0]), static_cast<std::size_t>(words[1]),
+                         static_cast<unsigned>(words[2]));
+    case SYS_clock_gettime:
+      return ::clock_gettime(static_cast<clockid_t>(words[0]), time);
+    case SYS_gettimeofday:
+      return ::gettimeofday(reinterpret_cast<timeval*>(words[0]), nullptr);
+    case SYS_nanosleep:
+      return ::nanosleep(reinterpret_cast<const timespec*>(words[0]), time);
+    case SYS_clock_nanosleep:
+      errno = ::clock_nanosleep(static_cast<clockid_t>(words[0]), operation,
+                                reinterpret_cast<const timespec*>(words[2]),
+                                reinterpret_cast<timespec*>(words[3]));
+      return errno == 0 ? 0 : -1;
+    case SYS_openat:
+      return ::openat(static_cast<int>(words[0]), reinterpret_cast<const char*>(words[1]),
+                      static_cast<int>(words[2]), static_cast<mode_t>(words[3]));
+    case SYS_sched_yield:
+      return ::sched_yield();
+    default:
+      break;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 }  // namespace move_base_abstract::shim
 
@@ -113,35 +150,11 @@ long syscall(long number, ...) noexcept {
   }
   const void* const caller = MOVE_BASE_ABSTRACT_CALLER;
   if (shim::sees() != shim::Sees::kMachine && !shim::isIn(caller, {"roscpp_shim"})) {
-    auto* const time = reinterpret_cast<timespec*>(words[1]);
-    switch (number) {
-      case SYS_futex:
-        if (shim::ordered() && shim::isOneOf(operation, {FUTEX_WAIT, FUTEX_WAIT_BITSET})) {
-          return shim::awaitFutex(reinterpret_cast<int*>(words[0]), static_cast<int>(words[2]),
-                                  operation, reinterpret_cast<const timespec*>(words[3]));
-        }
-        break;
-      case SYS_getrandom:
-        return getrandom(reinterpret_cast<void*>(words[0]), static_cast<std::size_t>(words[1]),
-                         static_cast<unsigned>(words[2]));
-      case SYS_clock_gettime:
-        return clock_gettime(static_cast<clockid_t>(words[0]), time);
-      case SYS_gettimeofday:
-        return gettimeofday(reinterpret_cast<timeval*>(words[0]), nullptr);
-      case SYS_nanosleep:
-        return nanosleep(static_cast<const timespec*>(first), time);
-      case SYS_clock_nanosleep:
-        errno = clock_nanosleep(static_cast<clockid_t>(words[0]), operation,
-                                reinterpret_cast<const timespec*>(words[2]),
-                                reinterpret_cast<timespec*>(words[3]));
-        return errno == 0 ? 0 : -1;
-      case SYS_openat:
-        return openat(static_cast<int>(words[0]), reinterpret_cast<const char*>(words[1]),
-                      static_cast<int>(words[2]), static_cast<mode_t>(words[3]));
-      case SYS_sched_yield:
-        return sched_yield();
-      default:
-        shim::tellRaw(number, caller);
+    if (const auto result = shim::followedCall(number, words)) {
+      return *result;
+    }
+    if (number != SYS_futex) {
+      shim::tellRaw(number, caller);
     }
   }
   return function(number, words[0], words[1], words[2], words[3], words[4], words[5]);
