@@ -50,7 +50,7 @@ answers = []
 def lookup(caller, name):
     answers.append(name)
     return (1 if name == '/there' and len(answers) > 2 else -1), '', ''
-ros_master.xmlrpc.client.ServerProxy = lambda uri: SimpleNamespace(lookupNode=lookup)
+ros_master.xmlrpc.client.ServerProxy = lambda uri, **_: SimpleNamespace(lookupNode=lookup)
 processes.block_child_signal()
 statuses = {}
 ros_master.await_registered('', processes.fork(signal.pause), '/there', statuses)

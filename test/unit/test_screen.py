@@ -43,10 +43,10 @@ def test_what_an_ended_process_has_printed_is_shown(tmp_path):
     assert one.printed() == ('a', 'b') and not made._pipes
 
 
-def test_a_broken_property_fails_a_rostest_also_without_all_checks():
+def test_a_rostest_has_a_case_for_each_property_that_was_judged_and_for_each_that_is_broken():
     broken = {'property': 'every_goal_ends', 'node': 'a', 'text': 'never', 'words': 'every_goal_ends: a: never'}
-    told = {'broken': [broken], 'statements': [['/a', 'always', 'one owner', 'held']]}
-    assert list(rostest_case._cases(told, False).values()) == [broken['words']]
-    assert [case for case, problem in rostest_case._cases(told, True).items() if problem] == list(
-        rostest_case._cases(told, False))
-    assert 'always: /a: one owner' in rostest_case._cases(told, True)
+    told = {'judged': [], 'broken': [broken], 'statements': [['/a', 'always', 'one owner', 'held']]}
+    assert list(rostest_case._cases(told).values()) == [broken['words']]
+    judged = rostest_case._cases({**told, 'judged': ['always', 'no_crash', 'every_goal_ends']})
+    assert [problem for problem in judged.values() if problem] == [broken['words']]
+    assert 'always: /a: one owner' in judged and len(judged) == 3
