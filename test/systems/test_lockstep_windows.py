@@ -124,7 +124,7 @@ class WindowsTest(OwnPackage, unittest.TestCase):
         self.assertIn('lookahead must be 0 in mode scaled', said)
 
     def test_a_lookahead_that_cannot_be_is_refused_before_anything_starts(self):
-        for value, got in (('-1', '-1.0'), ('nan', 'nan'), ('1e-9', '1e-09'), ('5000', '5000.0'), ('abc', "'abc'")):
+        for value, got in (('-1', '-1.0'), ('nan', "'nan'"), ('1e-9', '1e-09'), ('5000', '5000.0'), ('abc', "'abc'")):
             code, said = self.run_it('lockstep_launch', '--lookahead=' + value, 'any.launch')
             self.assertEqual(code, 2)
             self.assertIn('--lookahead: got {}; allowed: a number in 1e-6..1000 [s, simulated], or 0, or network\n'

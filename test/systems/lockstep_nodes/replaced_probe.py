@@ -19,6 +19,7 @@ import socket  # noqa: F401
 import sys
 import tempfile  # noqa: F401
 import types
+from importlib.machinery import SourceFileLoader
 
 import actionlib  # noqa: F401
 import rosgraph
@@ -42,6 +43,7 @@ def contents():
                 add(found, '{}.{}'.format(name, key), value, name)
     for name in ('excepthook', 'unraisablehook'):
         found['sys.' + name] = identity(getattr(sys, name))
+    found['importlib.machinery.SourceFileLoader.exec_module'] = identity(SourceFileLoader.exec_module)
     return found
 
 
