@@ -18,8 +18,8 @@ def opened(*items):
 
 def test_what_arrives_later_is_kept_until_its_instant():
     window = Window()
-    items = [(wire.WINDOW, 50 * MS, 50 * MS), message(b'now'), (wire.ARRIVES, 20 * MS), message(b'then'), message(b'too'),
-             (wire.ARRIVES, 30 * MS), message(b'last')]
+    items = [(wire.WINDOW, 50 * MS, 50 * MS), message(b'now'), (wire.ARRIVES, 20 * MS), message(b'then'),
+             message(b'too'), (wire.ARRIVES, 30 * MS), message(b'last')]
     assert window.take(items, 10 * MS) == [message(b'now')]
     assert window.walk(wire.NEVER, 10 * MS, [])
     assert window.next_turn() == (20 * MS, [message(b'then'), message(b'too')])
@@ -69,4 +69,5 @@ def test_without_a_window_all_is_as_the_grant_has_it():
 
 def test_what_was_kept_comes_before_what_the_next_grant_has():
     window = opened((wire.ARRIVES, 20 * MS), message(b'kept'))
-    assert window.take([(wire.WINDOW, 70 * MS, 50 * MS), message(b'new')], 20 * MS) == [message(b'kept'), message(b'new')]
+    items = [(wire.WINDOW, 70 * MS, 50 * MS), message(b'new')]
+    assert window.take(items, 20 * MS) == [message(b'kept'), message(b'new')]
