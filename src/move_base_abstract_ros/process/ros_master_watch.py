@@ -9,7 +9,6 @@ import xmlrpc.client
 from typing import Any
 
 import rosgraph
-import rospy
 
 _PERIOD_S = 0.2  # wall
 _TIMEOUT_S = 5.0  # wall; a busy ROS master answers late
@@ -49,16 +48,17 @@ class RosMasterWatch:
                 refused += 1
             elif self._is_known and not is_late:
                 is_late = True
-                self._say('has not answered for {:g} s; the node waits for it'.format(_TIMEOUT_S), rospy.logwarn)
+                self._say('has not answered for {:g} s; the node waits for it'.format(_TIMEOUT_S), 'logwarn')
             if refused >= _GONE_AFTER and not self._stopped.is_set():
-                self._say('has gone while the node started; the node ends', rospy.logfatal)
+                self._say('has gone while the node started; the node ends', 'logfatal')
                 self.has_lost = True
                 return
 
-    def _say(self, text: str, log: Any) -> None:
+    def _say(self, text: str, level: str) -> None:
         text = '{}: the ROS master at {} {}'.format(self._name, self._uri, text)
-        if rospy.core.is_initialized():
-            log('%s', text)
+        rospy = sys.modules.get('rospy')  # a launcher that asks for a proxy alone does not load it
+        if rospy is not None and rospy.core.is_initialized():
+            getattr(rospy, level)('%s', text)
         else:
             print(text, file=sys.stderr, flush=True)
 
