@@ -110,8 +110,7 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
         """Each process without which there is no run."""
         roles = ('guard', 'program', 'rosmaster', 'time_master')
         cases = [*itertools.product(roles, (signal.SIGKILL,)), *itertools.product(roles, (signal.SIGTERM,))]
-        # By night: once in two runs the launcher stood for minutes after its time master was killed.
-        for role, number in cases if 'NIGHT' in os.environ else cases[:3]:
+        for role, number in cases if 'NIGHT' in os.environ else cases[:5]:
             with self.subTest(role=role, signal=number):
                 process = self.running()
                 os.kill(self.pid_of(role, process.pid), number)

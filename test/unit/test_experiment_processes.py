@@ -62,6 +62,17 @@ processes.end_all_children()
 """) == ['3', '{}', '3']
 
 
+def test_who_is_there_is_not_asked_without_end_of_a_ros_master_that_has_gone():
+    assert run("""
+os.environ.update(processes.ONE_THREAD, ROS_MASTER_URI='http://127.0.0.1:9/')
+from move_base_abstract_ros.launching import run
+run._BEFORE_START_S = 0.5
+processes.block_child_signal()
+statuses = {}
+print(run._not_there_yet(statuses), *map(processes.code_of, statuses.values()))
+""") == ['None', '-9']
+
+
 def test_an_interrupt_at_a_fork_is_not_lost():
     assert run("""
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it

@@ -6,6 +6,7 @@ process if that is the same as a start (see warm_nodes).
 import json
 import math
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -181,9 +182,9 @@ class Run:
         while not self._is_asked and not self.is_over():
             self._look()
             self._tell_of_silence()
-            problems = [self._problem_of(one) for one in self._news()]
             if self._master in self._statuses:
-                problems.append(Problem(MASTER, 'the ROS master ended: ' + ends.described(self._code(self._master))))
+                return Problem(MASTER, 'the ROS master ended: ' + ends.described(self._code(self._master)))
+            problems = [self._problem_of(one) for one in self._news()]
             if time.monotonic() > deadline:
                 problems.append(Problem(LIMIT, 'it was not over after {:g} s of wall time'.format(limit)))
             problem = next(filter(None, problems), None)
@@ -354,8 +355,8 @@ def _not_there_yet(statuses):
         os.write(write, json.dumps(_present(_BEFORE_START_S)).encode())
     pid = processes.fork(ask, os.devnull)
     os.close(write)
-    with os.fdopen(read, 'rb') as stream:
-        text = stream.read()
+    with os.fdopen(read, 'rb') as stream:  # without a ROS master, rospy would ask for one without end
+        text = stream.read() if select.select([read], [], [], 2.0 * _BEFORE_START_S)[0] else b''
     processes.end([pid], signal.SIGKILL, 1.0, statuses)
     return json.loads(text) if text else None
 
