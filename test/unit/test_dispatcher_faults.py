@@ -55,6 +55,15 @@ def test_what_a_policy_cannot_choose_is_an_error_that_says_so(choice, text):
     assert told(dispatch, 'policy_failed')[0][1:] == ('/dispatcher', 'policy_failed', str(error.value))
 
 
+def test_an_order_that_is_put_right_is_no_longer_undone():
+    dispatch = dispatch_of()
+    for place, undone in (('nowhere', 'o refused'), ('', 'o with nobody')):
+        dispatch.order(Order('o', 0, (Stop(Pose2D(0.0, 1.0), place),)))
+        assert dispatch.core.undone() == [undone]
+    dispatch.run()
+    assert (told(dispatch, 'order_done')[0][3], dispatch.core.undone()) == ('o', [])
+
+
 class FailsWithBad(Nearest):
     def choose(self, question):
         if 'bad' in [one.order.order_id for one in question.orders]:

@@ -130,6 +130,7 @@ class Dispatcher:
             self.refuse(order.order_id, fault)
             return
         self._seen[order.order_id] = 0
+        self._refused.pop(order.order_id, None)  # it has come again, put right
         deadline_ns = None if order.deadline_ns is None else now_ns + order.deadline_ns
         self._in_turn = None
         self._open[order.order_id] = OpenOrder(order, now_ns, deadline_ns, 0, 0)
