@@ -57,7 +57,7 @@ def test_padding_moves_each_corner_away_from_the_middle_by_a_centimetre_or_what_
 @pytest.mark.parametrize('value', [
     7, {'x': 1}, [[0, 1], [1, 0]], [[0, 1], [1, 0], [1]], [[0, 1], [1, 0], ['1', 2]], [[0, 1], [1, 0], [math.nan, 2]],
     '[[0,1],[1,0]]', '[[0,1],[1,0],[1,1]', '[[0,1],[1,0],[1,1]]]', '[[0,1],[1,0],[1,one]]', '[0,1]', '[[[0,1]]]',
-    'none', '[[0,1],[1,0],[1,nan]]', '[' * 200_000, [[0, 1]] * 1001])
+    '[[0,1],[1,0],[1,1_0]]', 'none', '[[0,1],[1,0],[1,nan]]', '[' * 200_000, [[0, 1]] * 1001])
 def test_what_is_no_footprint_is_an_error_that_says_what_is(value):
     with pytest.raises(ConfigurationError, match=r'parameter /robot_0/move_base/local_costmap/footprint: got .*; '
                                                  'allowed: 3 to 1000 points'):

@@ -44,7 +44,7 @@ def test_numbers_are_the_same_in_all_places(text, value):
         kinds.number())(text) == POSE.check('pose', f'{text},0,0')[0] == value
 
 
-@pytest.mark.parametrize('text', ['1_0', '-1_000.5', '1:30', '1:30.5', '010', '0x1_0', '0b1_0'])
+@pytest.mark.parametrize('text', ['1_0', '-1_000.5', '1:30', '1:30.5', '010', '0x1_0', '0b11', '0x1f'])
 def test_forms_that_only_yaml_takes_for_numbers_are_refused_with_the_place(text):
     with pytest.raises(ConfigurationError, match=r'f: line 1, column 4: got .*; allowed: a number in digits'):
         load_yaml_text('x: ' + text, 'f')
@@ -52,7 +52,13 @@ def test_forms_that_only_yaml_takes_for_numbers_are_refused_with_the_place(text)
 
 
 def test_a_file_says_no_less_than_10_by_10():
-    assert load_yaml_text('[10, 0, 0.5, 0x1f, -0.0, .inf]', 'f')[:4] == [10, 0, 0.5, 31]
+    assert load_yaml_text('[10, 0, 0.5, +7, -0.0, .inf, 1.e+3]', 'f')[:4] == [10, 0, 0.5, 7]
+
+
+@pytest.mark.parametrize('text', ['!!int "\u0661"', '!!float "\uff11.5"', '!!int "1_0"', '!!float "inf"', '!!int " 7"'])
+def test_a_tag_makes_no_number_of_another_form(text):
+    with pytest.raises(ConfigurationError, match='allowed: a number in digits'):
+        load_yaml_text('x: ' + text, 'f')
 
 
 @pytest.mark.parametrize('gap', [{'rate': 1e-12}, {'every': 2147483647.0}, {'rate_per_hour': 1e-9}])

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MAX_DEPTH = 32  # the deepest nesting of lists and mappings
 MAX_DIGITS = 100  # the most characters of a number
 _MERGE_TAG = 'tag:yaml.org,2002:merge'
-_ODD_NUMBER = re.compile(r'.*[_:]|[-+]?0[0-9]', re.ASCII)
+_NUMBER = re.compile(r'[-+]?((0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+]?[0-9]+)?|\.inf|\.nan)\Z', re.IGNORECASE)
 _NUMBER_TAGS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
 #: the errors that SafeLoader does not catch if a value does not fit its tag: !!int x, 2001-13-40
 _CONSTRUCTION_ERRORS = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
@@ -122,11 +122,11 @@ class _Loader(yaml.SafeLoader):
         return node
 
     def compose_scalar_node(self, anchor: Any) -> ScalarNode:
-        """Refuse numbers that take long to read, and forms that only YAML 1.1 takes for numbers: 1_0, 1:30, 010."""
+        """Refuse numbers that take long to read, and forms that are numbers in YAML 1.1 only: 1_0, 1:30, 010, 0xa."""
         node = super().compose_scalar_node(anchor)
         if node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
             raise _error(node, 'a number of {} characters; allowed: at most {}'.format(len(node.value), MAX_DIGITS))
-        if node.tag in _NUMBER_TAGS and _ODD_NUMBER.match(node.value):
+        if node.tag in _NUMBER_TAGS and not _NUMBER.match(node.value):
             raise _error(node, 'got {}; allowed: a number in digits, as 10, or a text in quotes'.format(
                 shown_text(node.value)))
         return node
@@ -143,7 +143,7 @@ class _Loader(yaml.SafeLoader):
                 shown_text(node.tag.rsplit(':', 1)[-1]))) from None
 
     def construct_mapping(self, node: MappingNode, deep: bool = False) -> Dict[Hashable, Any]:
-        """Refuse a key that is there twice, even if it is written differently (1, 0x1); merged keys may be replaced."""
+        """Refuse a key that is there twice, even if it is written differently (1, 1.0); merged keys may be replaced."""
         is_mapping = isinstance(node, yaml.MappingNode)
         written = [key for key, _ in node.value if key.tag != _MERGE_TAG] if is_mapping else []
         mapping = super().construct_mapping(node, deep)

@@ -81,14 +81,14 @@ def check_keys(raw: Mapping[str, Any], known: Sequence[str], where: str, prefix:
             raise ConfigurationError(f'{where}: {prefix}{shown_text(key)}: unknown key{hint}')
 
 
-def as_number(word: str) -> float:
-    """Return the number that a text is: ASCII digits, perhaps with a sign, a point and an exponent; not 1_0, not inf.
+def as_number(value: Any) -> float:
+    """Return a number, or the one that a text is: ASCII digits, perhaps a sign, a point and an exponent; not 1_0, inf.
 
     Files, options and arguments take numbers in this one form. :raises ValueError: if it is none.
     """
-    if not _DECIMAL.match(word):
-        raise ValueError('{} is no number'.format(shown(word)))
-    return float(word)
+    if isinstance(value, str) and not _DECIMAL.match(value):
+        raise ValueError('{} is no number'.format(shown(value)))
+    return float(value)
 
 
 def as_whole(word: str) -> int:

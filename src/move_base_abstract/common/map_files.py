@@ -78,7 +78,7 @@ def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, un
     try:
         if isinstance(raw, bool):
             raise ValueError
-        value = as_number(raw) if isinstance(raw, str) else float(raw)
+        value = as_number(raw)
         if not math.isfinite(value) or (above is not None and not value > above):
             raise ValueError
     except (TypeError, ValueError, OverflowError):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import number
+from ..common.kinds import as_number, number
 from ..common.parameter_table import Parameter, checked
 from ..motion.geometry import share_along
 
@@ -173,7 +173,7 @@ def _parse(text: str) -> List[List[float]]:
             if depth == 1:
                 points.append(point)
         elif depth == 2:
-            point.append(float(token))
+            point.append(as_number(token))
         else:
             raise ValueError
         if not 0 <= depth <= 2:

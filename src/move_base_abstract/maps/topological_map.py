@@ -52,22 +52,18 @@ def _origin(raw: Mapping[str, Any], node: Any) -> Pose2D:
 
 
 def _pose(position: Dict[str, float], orientation: Dict[str, float]) -> Pose2D:
-    x, y, z, w = (_number(orientation[axis]) for axis in 'xyzw')
+    x, y, z, w = (as_number(orientation[axis]) for axis in 'xyzw')
     quaternion = x, y, z, w
     fault = quaternion_fault(quaternion)
     if fault:
         raise ValueError(fault)
-    return Pose2D(_number(position['x']), _number(position['y']), yaw_of_quaternion(quaternion))
-
-
-def _number(value: Any) -> float:
-    return as_number(value) if isinstance(value, str) else float(value)
+    return Pose2D(as_number(position['x']), as_number(position['y']), yaw_of_quaternion(quaternion))
 
 
 def _edges(node: Dict[str, Any]) -> List[Dict[str, Any]]:
     edges: Dict[Any, Any] = {}
     for edge in node.get('edges') or ():
-        speeds = [_number(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
+        speeds = [as_number(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
         speed = {'speed': min(speeds)} if speeds else {}
         edges.setdefault(edge['node'], {'from': node['name'], 'to': edge['node'], 'one_way': True, **speed})
     return list(edges.values())

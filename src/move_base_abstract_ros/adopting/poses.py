@@ -211,7 +211,7 @@ def _number(value):
     if isinstance(value, bool):
         return None
     try:
-        found = as_number(value) if isinstance(value, str) else float(value)
+        found = as_number(value)
     except (TypeError, ValueError, OverflowError):
         return None
     return found if math.isfinite(found) else None
