@@ -42,21 +42,28 @@ def test_what_is_given_on_a_command_line_is_as_in_a_file():
     assert options.read(RunOptions, '', found).start == {'/r': (1.0, 2.0, 0.0)}
 
 
-@pytest.mark.parametrize('words', [
-    ['--seed', '3', '--adopt', 'a.launch', 'x:=-1'], ['a.launch', '--seed', '3', 'x:=-1', '--adopt'],
-    ['--adopt', 'a.launch', 'x:=-1', '--seed', '3']])
-def test_options_after_the_file_count_like_those_before_it(words):
+def parsed(*words):
     reader = argparse.ArgumentParser('program')
     command_line.add_run(reader)
-    found = command_line.parsed(reader, words)
-    assert (found.seed, found.adopt, sorted(found.command)) == (3, True, ['a.launch', 'x:=-1'])
+    return reader.parse_intermixed_args(words)
+
+
+@pytest.mark.parametrize('words', [
+    '--seed 3 --adopt PACKAGE a.launch x:=-1', 'PACKAGE a.launch --seed 3 x:=-1 --adopt',
+    '--adopt PACKAGE --seed 3 a.launch x:=-1', '--adopt --seed 3 -- PACKAGE a.launch x:=-1'])
+def test_options_among_the_words_of_the_file_count_like_those_before_them(words):
+    found = parsed(*words.split())
+    assert (found.seed, found.adopt, found.command) == (3, True, ['PACKAGE', 'a.launch', 'x:=-1'])
+
+
+@pytest.mark.parametrize('word', ['-', '-3'])
+def test_a_word_that_only_begins_like_an_option_is_a_word(word):
+    assert parsed('a.launch', word).command == ['a.launch', word]
 
 
 def test_an_option_after_the_file_that_there_is_not_is_an_error(capsys):
-    reader = argparse.ArgumentParser('program')
-    command_line.add_run(reader)
     with pytest.raises(SystemExit):
-        command_line.parsed(reader, ['a.launch', '--screen'])
+        parsed('a.launch', '--screen')
     assert 'unrecognized arguments: --screen' in capsys.readouterr().err
 
 

@@ -64,7 +64,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
                         '(default: %(default)s)')
     parser.add_argument('--replay', metavar='FILE', help='run a failure again, and say whether it is the same')
     command_line.add_run(parser, _Options, _REFUSED)
-    options = command_line.parsed(parser, words)
+    options = parser.parse_intermixed_args(words)
     options.asked = of_arguments(_Options, parser, options)
     besides = words_of(options.asked) + options.command
     if options.replay and besides:

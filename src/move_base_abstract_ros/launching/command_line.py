@@ -1,7 +1,6 @@
 """The command lines of programs that start launch files: the options of a run, and FILE or PACKAGE FILE, ARG:=VALUE."""
 import argparse
 import os
-import sys
 from dataclasses import dataclass
 
 from move_base_abstract.common.kinds import FLAG, number, pattern
@@ -30,24 +29,14 @@ class OneRun:
                               'its own')
 
 
-def add_run(parser, cls=RunOptions, refused=None):
-    """Add the options of a run and the words after them to ``parser``.
+def add_run(parser, cls=RunOptions, refused=None, nargs='*'):
+    """Add the options of a run, and the words FILE or PACKAGE FILE, ARG:=VALUE, to ``parser``.
 
-    ``cls``: RunOptions, or a class of these with other words; ``refused``: as add_arguments() has it.
+    ``cls``: RunOptions, or a class of these with other words; ``refused``: as add_arguments() has it; ``nargs``: of the
+    words. Options may stand among them if parse_intermixed_args() is called, in the place of parse_args().
     """
     add_arguments(parser, cls, refused)
-    parser.add_argument('command', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
-
-
-def parsed(parser, words):
-    """Return what ``parser`` makes of ``words``, for a parser that has add_run(). Options after FILE count, too."""
-    words = sys.argv[1:] if words is None else list(words)
-    options = parser.parse_args(words)
-    late = next((k for k, word in enumerate(options.command) if word.startswith('-') and word != '--'), None)
-    if late is None:
-        return options
-    before = words[:len(words) - len(options.command)]
-    return parsed(parser, before + options.command[late:] + options.command[:late])
+    parser.add_argument('command', nargs=nargs, help=argparse.SUPPRESS)
 
 
 def run_of(parser, options):

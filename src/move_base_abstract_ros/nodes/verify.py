@@ -128,7 +128,7 @@ def _parse(words):
     parser.add_argument('--output', metavar='FOLDER', help='new or empty folder for logs and outputs '
                         '(default: a temporary one, which is kept if something is wrong)')
     parser.add_argument('--chaos', metavar='FILE', help='verify the run that a file from `chaos` describes')
-    options = command_line.parsed(parser, words)
+    options = parser.parse_intermixed_args(words)
     options.run = command_line.run_of(parser, options)
     if options.chaos is not None:
         _read_chaos(parser, options)

@@ -122,7 +122,7 @@ def read_words(words):
     parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
     parser.add_argument('--script', action='store_true', help='as the first word: run an unchanged script that starts '
                         'launch files, each of them in lockstep')
-    options = command_line.parsed(parser, words)
+    options = parser.parse_intermixed_args(words)
     if options.script:
         parser.error('--script must be the first word')
     options.run, options.one = command_line.run_of(parser, options), of_arguments(command_line.OneRun, parser, options)

@@ -56,7 +56,7 @@ def _parse(words):
                         '(default: %(default)s)')
     add_arguments(parser, command_line.OneRun, {
         'event_log': '--logs names the folder of the event logs', 'use_master': 'each run has a ROS master of its own'})
-    command_line.add_run(parser)
+    command_line.add_run(parser, nargs=argparse.REMAINDER)
     options = parser.parse_args(words)
     if not options.command or not os.path.isfile(options.command[0]):
         raise SimulatorError('a Python script must follow the options, got {}'.format(
