@@ -40,7 +40,7 @@ class System:
         self._folder, self._settings = folder, settings
         self._ends: List[ends.End] = []
         enter(folder, folder)
-        self._run = Run(self._plan(), self.log, Files(folder), Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S))
+        self._run = Run(self._plan(), self.log, Files(folder), Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folder)
         self._run.start()
 
     def _plan(self) -> Any:
@@ -61,9 +61,7 @@ class System:
                 'log_messages': settings.log_messages, **end, **settings.time_master}, no_respawn=True)
             if settings.adopt:
                 options = adoption.adopted(config, options, read_settings)
-            made = plan.plan_of(config, options)
-            plan.keep_to_this_user(made, self._folder)
-            return made
+            return plan.plan_of(config, options)
         except RLException as error:
             raise ConfigurationError(str(error)) from None
 

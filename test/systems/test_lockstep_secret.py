@@ -19,7 +19,7 @@ rospy.init_node('rospy_node')
 lockstep.join()
 rospy.spin()
 """
-#: looks at the secret of a run that lockstep_launch has made, and tries to take part without it
+#: looks at the secret that a run's starter has made, and tries to take part without it
 STRANGER = """#!/usr/bin/env python3
 import os
 import sys
@@ -27,13 +27,16 @@ import rospy
 sys.path.insert(0, os.environ['TEST_FOLDER'])
 from lockstep_raw_client import RawClient, address_at
 rospy.init_node('stranger')
-status = os.stat(rospy.get_param('/time_master/lockstep_secret_file'))
-print('mode {:o}, {} bytes'.format(status.st_mode & 0o777, status.st_size), flush=True)
 try:
-    RawClient(address_at(os.environ['ROS_MASTER_URI'])).hello('/fleet')
-except AssertionError as error:
-    print('refused:', error, flush=True)
-rospy.set_param('/is_told', True)
+    with open(os.environ['TEST_SAID'], 'a') as said:
+        status = os.stat(rospy.get_param('/time_master/lockstep_secret_file', 'no file'))
+        print('mode {:o}, {} bytes'.format(status.st_mode & 0o777, status.st_size), file=said)
+        try:
+            RawClient(address_at(os.environ['ROS_MASTER_URI'])).hello('/fleet')
+        except AssertionError as error:
+            print('refused:', error, file=said)
+finally:
+    rospy.set_param('/is_told', True)
 rospy.spin()
 """
 WAITER = """#!/usr/bin/env python3
@@ -41,6 +44,12 @@ import rospy
 rospy.init_node('waiter')
 while not rospy.has_param('/is_told'):
     rospy.sleep(0.1)
+"""
+EXPERIMENT = """
+experiment: both
+launch: both.launch
+onlooker: [/stranger]
+until: {idle: true}
 """
 NAMES = ('/shimmed', '/rospy_node')
 #: the test reads the output of the time master while it runs
@@ -50,16 +59,22 @@ os.environ['ROSCONSOLE_STDOUT_LINE_BUFFERED'] = '1'
 class OwnSecretTest(OwnPackage, unittest.TestCase):
     FILES = {'stranger': STRANGER, 'waiter': WAITER}
 
-    def test_a_launch_file_is_run_with_a_secret_that_only_its_user_can_read(self):
-        self.environment['TEST_FOLDER'] = os.path.dirname(os.path.abspath(__file__))
+    def test_launch_files_and_trials_are_run_with_a_secret_that_only_their_user_can_read(self):
+        self.environment.update(TEST_FOLDER=os.path.dirname(os.path.abspath(__file__)), TEST_SAID=self.path('said'))
         file = self.write('both.launch', '<launch>{}</launch>'.format(''.join(
-            '<node pkg="study_of_others" type="{0}" name="{0}" output="screen" required="{1}"/>'.format(*one)
+            '<node pkg="study_of_others" type="{0}" name="{0}" required="{1}"/>'.format(*one)
             for one in (('stranger', 'false'), ('waiter', 'true')))))
-        code, said = self.run_it('lockstep_launch', '--onlooker', '/stranger', file)
-        self.assertEqual(code, 0, said)
-        self.assertIn('mode 600, 48 bytes', said)
-        self.assertIn('refused: ', said)
-        self.assertIn("HELLO must have the secret of the run, got none from '/fleet'", said)
+        experiment = self.write('both.yaml', EXPERIMENT)
+        for words in (('lockstep_launch', '--onlooker', '/stranger', file),
+                      ('experiment', 'run', experiment, '-o', self.path('out'), '--workers', '1')):
+            code, output = self.run_it(*words)
+            self.assertEqual(code, 0, output)
+            with open(self.path('said')) as stream:
+                said = stream.read()
+            os.remove(self.path('said'))
+            self.assertIn('mode 600, 48 bytes', said)
+            self.assertIn('refused: ', said)
+            self.assertIn("HELLO must have the secret of the run, got none from '/fleet'", said)
 
 
 class SecretTest(unittest.TestCase):

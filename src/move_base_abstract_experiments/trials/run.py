@@ -45,8 +45,8 @@ def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> En
     launching.enter(folders.logs, folders.files)
     made = run_plan.plan_of(this)
     started = launching.Run(made, folders.log, outputs.Files(folders.logs),
-                            launching.Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), this.path(run_plan.START_NOTE),
-                            job.is_warm and condition is None)
+                            launching.Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folders.own,
+                            this.path(run_plan.START_NOTE), job.is_warm and condition is None)
     limit = this.experiment.time_limit
     try:
         started.start(commands=_commands(this))

@@ -24,7 +24,7 @@ from move_base_abstract.runs import ends
 from ..loopback import find_executable
 from ..process.ros_master_watch import is_answering
 from . import roles, ros_master, warm_nodes
-from .plan import TIME_MASTER
+from .plan import TIME_MASTER, keep_to_this_user
 
 #: kinds of a Problem: a required onlooker has ended, a participant before time started, the ROS master, the wall time
 REQUIRED, ABSENT, MASTER, LIMIT = 'required', 'absent', 'master', 'limit'
@@ -92,12 +92,13 @@ class _Process:
 class Run:
     """The processes of a run of ``plan``. ``log``: the path of its event log; ``outputs``: outputs.Files or .Screen.
 
+    ``own``: a folder that this run alone has; a run with a ROS master of its own has its secret there.
     ``note``: the path of the file that the time master writes when time starts. ``is_warm``: whether nodes may be
     forks. ``is_quick``: whether the time master is killed when its log is complete, instead of waiting for its end.
     """
 
-    def __init__(self, plan, log, outputs, patience, note='', is_warm=True, is_quick=True):
-        self._plan, self._log, self._outputs, self._patience = plan, log, outputs, patience
+    def __init__(self, plan, log, outputs, patience, own, note='', is_warm=True, is_quick=True):
+        self._plan, self._log, self._outputs, self._patience, self._own = plan, log, outputs, patience, own
         self._note, self._is_warm, self._is_quick = note, is_warm, is_quick
         self._pause = outputs.pause
         self._statuses = {}  # {pid: status as of os.waitpid()}
@@ -118,6 +119,7 @@ class Run:
         """
         processes.adopt_orphans()
         if not uri:
+            keep_to_this_user(self._plan, self._own)
             self._master, uri = ros_master.start(self._outputs.of_master)
         self.uri = os.environ['ROS_MASTER_URI'] = uri
         self._outputs.begun(uri)

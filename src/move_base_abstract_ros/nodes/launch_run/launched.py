@@ -170,10 +170,8 @@ def _run_in(own, folder, options, files):
         return Launched(0)
     run_id = get_or_generate_uuid(None, False) if options.use_master else generate_run_id()
     config.params['/run_id'] = Param('/run_id', run_id)
-    if not options.use_master:
-        plan.keep_to_this_user(made, own)
     log = plan.log_of_run(made, own, options.check or asked_run.properties)
-    code, found = _carry_out(made, log, run_id, options)
+    code, found = _carry_out(made, log, own, run_id, options)
     return _conclude(made, Launched(code, _bags(notes, log)), ends.judge(found, ends.read_log(log)), log, options)
 
 
@@ -186,8 +184,8 @@ def _parameters_of(options):
             **{key: value for key, value in given if value}}
 
 
-def _carry_out(made, log, run_id, options):
-    """Run a Plan to its end; return (exit code, ends.Processes)."""
+def _carry_out(made, log, own, run_id, options):
+    """Run a Plan to its end; return (exit code, ends.Processes). ``own``: the run's own folder."""
     import rosgraph
     import rospkg
 
@@ -196,7 +194,7 @@ def _carry_out(made, log, run_id, options):
     is_warm = not warm_nodes.wants_start(os.environ)  # not if `verify` asks for other addresses
     if is_warm:
         warm_nodes.be_ready(plan.scripts_of(made), os.path.dirname(find_executable('lockstep')))
-    this = run.Run(made, log, outputs.Screen(os.path.join(rospkg.get_log_dir(), run_id)), run.Patience(2.0, 15.0),
+    this = run.Run(made, log, outputs.Screen(os.path.join(rospkg.get_log_dir(), run_id)), run.Patience(2.0, 15.0), own,
                    os.path.join(options.notes, 'start'), is_warm, is_quick=False)
     asked = []
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
