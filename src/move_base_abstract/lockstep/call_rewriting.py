@@ -75,9 +75,8 @@ class _Asking(ast.NodeTransformer):
         return self._visit_but(node, [node.left] + node.comparators if is_same else ())
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:  # noqa: N802
-        # Before Python 3.9 an index is in a node of its own.
-        return self._visit_but(node, [getattr(node.slice, 'value', node.slice), node.slice],
-                               isinstance(node.ctx, ast.Store))
+        # Before Python 3.9 an index is in a node of its own. A defaultdict also keeps keys that it is asked for.
+        return self._visit_but(node, [getattr(node.slice, 'value', node.slice), node.slice], True)
 
     def visit_Dict(self, node: ast.Dict) -> ast.AST:  # noqa: N802
         return self._visit_but(node, node.keys, True)

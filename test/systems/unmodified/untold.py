@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Make all calls whose results differ from run to run."""
+import collections
 import ctypes
 import getpass
 import logging
 import multiprocessing
 import os
 import platform
+import random
 import resource
 import select
 import shutil
@@ -83,8 +85,12 @@ def by_texts():
 
 def by_keys():
     kept = {id(rospy): 1, id(sys): 2}
+    asked = collections.defaultdict(list)
+    asked[id(rospy)].append(1)
     return (sorted(kept),  # by id(rospy)
             '%d' % list(kept)[0],  # the id
+            random.Random(next(iter(kept))), int(next(iter(kept))),  # the id
+            sum(asked),  # by id
             id(rospy) < id(sys))
 
 
@@ -125,7 +131,7 @@ WAYS = {
     'os.getloadavg': lambda: os.getloadavg(), 'resource.getrusage': lambda: resource.getrusage(resource.RUSAGE_SELF),
     'signal.setitimer signal.alarm': interrupted, 'select.select': handled, 'select.poll': lambda: select.poll(),
     'signal.sigtimedwait': lambda: signal.sigtimedwait([signal.SIGUSR1], 0.01),
-    'select.epoll': lambda: select.epoll(), 'id id id id': lambda: ('%d' % id(rospy), by_keys()),
+    'select.epoll': lambda: select.epoll(), 'id id id id id id': lambda: ('%d' % id(rospy), by_keys()),
     'multiprocessing.process.BaseProcess.pid threading.Thread.native_id id rospy.get_node_uri getBusStats': by_numbers,
     'xmlrpc.client.ServerProxy logging.Formatter open getPid': str,  # by the function before
     'repr str str format f-string %': by_texts,

@@ -328,7 +328,7 @@ def _telling_key(name: str) -> Callable[..., Any]:
 
 for _name in ('lt', 'le', 'gt', 'ge', 'repr', 'format', 'add', 'radd', 'sub', 'rsub', 'mul', 'rmul', 'mod', 'rmod',
               'floordiv', 'truediv', 'divmod', 'and', 'rand', 'or', 'ror', 'xor', 'rxor', 'lshift', 'rshift', 'neg',
-              'invert', 'float'):
+              'invert', 'float', 'int', 'abs', 'pow', 'rpow', 'round'):
     setattr(_Key, '__{}__'.format(_name), _telling_key('__{}__'.format(_name)))
 
 
