@@ -1,4 +1,5 @@
 """What is wrong with orders and policies, and runs that cannot go on: each is told, and ends nothing else."""
+import numpy as np
 import pytest
 
 from dispatches import S, dispatch_of, order, told
@@ -12,7 +13,7 @@ from move_base_abstract.orders.policies import POLICIES, Nearest
 @pytest.mark.parametrize('wrong, text', [
     (order(''), 'id: got none'), (order('no stops'), 'stops: got 0; allowed: 1 to 100'),
     (Order('moon', 0, (Stop(Pose2D(), 'moon'),)), "stops[0]: place: got 'moon'; allowed: none"),
-    (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: >= 0'),
+    (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: a finite number >= 0'),
     (order('past', (0.0, 0.0), deadline_ns=-S), 'deadline: got 1 s before its arrival'),
     (order('twice', (0.0, 0.0)), "id: 'twice' was given to an order before"),
     (Order('many', 0, 7), 'stops: got 7; allowed: a list of stops'),
@@ -20,7 +21,11 @@ from move_base_abstract.orders.policies import POLICIES, Nearest
     (order('who', (0.0, 0.0), priority='high'), "priority: got 'high'; allowed: a whole number"),
     (Order('none', 0, (None,)), 'stops[0]: pose: got None'), (Order('flat', 0, (Stop((1.0, 2.0)),)), 'stops[0]: pose'),
     (Order('yes', 0, (Stop(Pose2D(), power=True),)), 'stops[0]: power: got True'),
-    (Order('nan', 0, (Stop(Pose2D(), energy=float('nan')),)), 'stops[0]: energy: got nan; allowed: >= 0'),
+    (Order('nan', 0, (Stop(Pose2D(), energy=float('nan')),)),
+     'stops[0]: energy: got nan; allowed: a finite number >= 0'),
+    (Order('power', 0, (Stop(Pose2D(), power=10 ** 400),)),
+     'stops[0]: power: got a whole number of about 401 digits; allowed: a finite number >= 0'),
+    (order('urgent', (0.0, 0.0), priority=2 ** 31), 'priority: got 2147483648; allowed: a whole number of 32 bits'),
     (Order('place', 0, (Stop(Pose2D(), ['a']),)), 'stops[0]: place: got'),
 ])
 def test_a_wrong_order_is_refused_with_the_reason_and_moves_nobody(wrong, text):
@@ -53,6 +58,13 @@ def test_what_a_policy_cannot_choose_is_an_error_that_says_so(choice, text):
     assert text in str(error.value)
     assert dispatch.core.open_orders == ['a', 'b']
     assert told(dispatch, 'policy_failed')[0][1:] == ('/dispatcher', 'policy_failed', str(error.value))
+
+
+def test_a_priority_of_another_kind_of_whole_number_is_one():
+    dispatch = dispatch_of()
+    dispatch.order(order('urgent', (0.0, 0.0), priority=np.int64(3)))
+    dispatch.run()
+    assert [row[3] for row in told(dispatch, 'order_done')] == ['urgent']
 
 
 def test_an_order_that_is_put_right_is_no_longer_undone():

@@ -195,6 +195,10 @@ def integer(low: float, high: float = math.inf, **others: Any) -> Kind:
     return number(low, high, whole=True, **others)
 
 
+#: the kind of the whole numbers that a message holds in an int32
+INT32 = integer(-2 ** 31, 2 ** 31 - 1)
+
+
 def one_of(*allowed: str) -> Kind:
     """Return the kind of texts that are among ``allowed``."""
     *first, last = map(repr, allowed)

@@ -6,6 +6,7 @@ from ..common.kinds import (
     COORDINATE,
     FLAG,
     FRAME,
+    INT32,
     PATH,
     TOPIC,
     bare_name,
@@ -26,7 +27,6 @@ from ..sensing.laser import TABLE as LASER
 from . import upstream
 
 DEFAULT_SPEED = 0.5
-_MOST_PRIORITY = 2 ** 31 - 1
 
 #: the ways in which a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
@@ -120,7 +120,7 @@ TABLE = (
               'The way of the robot: straight, around obstacles of the map, along lanes, or as long as a table says.'),
     Parameter('lanes', None, PATH, 'The net of lanes for `routes: lanes`.'),
     Parameter('travel_matrix', None, PATH, 'The table of times for `routes: matrix`.'),
-    Parameter('priority', 0, integer(-_MOST_PRIORITY, _MOST_PRIORITY),
+    Parameter('priority', 0, INT32,
               'Of robots that wait for a zone or a lane the one with the higher priority comes first.',
               'a whole number of 32 bits'),
     Parameter('corners', 'keep', one_of('keep', 'stop'),

@@ -161,7 +161,8 @@ class Dispatch:
 
 
 def _as_message(order: Order) -> Order:
-    """Return an order as it is after being sent as a message: its headings were converted to quaternions and back."""
+    """Return an order as it is after being sent as a message: plain numbers, its headings as quaternions and back."""
     def through(pose: Pose2D) -> Pose2D:
         return Pose2D(pose.x, pose.y, yaw_of_quaternion(quaternion_of_yaw(pose.yaw)))
-    return replace(order, stops=tuple(replace(stop, pose=through(stop.pose)) for stop in order.stops))
+    return replace(order, priority=int(order.priority),
+                   stops=tuple(replace(stop, pose=through(stop.pose)) for stop in order.stops))

@@ -4,22 +4,24 @@
 """
 from __future__ import annotations
 
-import math
+import sys
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
+from ..common.errors import ConfigurationError
 from ..common.kinds import error, number, one_of
 from ..common.parameter_table import Parameter, read_mapping
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import PLACE, Task, place_or_pose, some_of
-from ..tasks.places import MAX_SECONDS, POSE_TABLE, WORK_TABLE, Place, Work, read_work
+from ..tasks.places import MAX_SECONDS, POSE_TABLE, PRIORITY, WORK_TABLE, Place, Work, read_work
 
 #: what the robot does at a stop; after a load it carries goods
 WORK, LOAD, UNLOAD = 'work', 'load', 'unload'
 ACTIONS = (WORK, LOAD, UNLOAD)
 MAX_STOPS = 100
+_LARGEST = sys.float_info.max
 DEADLINE = Parameter('deadline', None, number(0.0, MAX_SECONDS, unit='s, simulated'))
 ACTION = Parameter('action', WORK, one_of(*ACTIONS))
 STOP_TABLE = (PLACE, *POSE_TABLE, ACTION, *WORK_TABLE)
@@ -78,6 +80,10 @@ def fault_of(order: Order, places: Mapping[str, Place]) -> Optional[str]:
         return 'id: got none; allowed: an id of its own for each order'
     if not 1 <= len(order.stops) <= MAX_STOPS:
         return 'stops: got {}; allowed: 1 to {}'.format(len(order.stops), MAX_STOPS)
+    try:
+        PRIORITY.kind(int(order.priority))
+    except ConfigurationError:
+        return 'priority: got {}; allowed: {}'.format(shown(order.priority), PRIORITY.allowed)
     if order.deadline_ns is not None and order.deadline_ns < 0:
         return 'deadline: got {:g} s before its arrival; allowed: not before it'.format(-order.deadline_ns / 1e9)
     for index, stop in enumerate(order.stops):
@@ -104,8 +110,8 @@ def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
     if stop.action not in ACTIONS:
         return 'action: got {}; allowed: {}'.format(shown(stop.action), ACTION.allowed)
     for name, value in (('duration', stop.duration_ns), ('power', stop.power), ('energy', stop.energy)):
-        if not (math.isfinite(value) and value >= 0):
-            return '{}: got {!r}; allowed: >= 0'.format(name, value)
+        if not 0 <= value <= _LARGEST:
+            return '{}: got {}; allowed: a finite number >= 0'.format(name, shown(value))
     return None
 
 

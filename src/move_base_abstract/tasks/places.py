@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import COORDINATE, FLAG, error, integer, number, one_of
+from ..common.kinds import COORDINATE, FLAG, INT32, error, integer, number, one_of
 from ..common.parameter_table import Parameter, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..engine.factors import Constant, Gamma, Lognormal
@@ -24,9 +24,8 @@ _FACTORS = {'lognormal': Lognormal, 'gamma': Gamma}
 
 
 NAME = Parameter('name', None, robot_name, allowed=ROBOT_NAME_RULE)
-_MOST = 2 ** 31 - 1
 #: the priority of a task or an order; where there is no room, a higher one comes first
-PRIORITY = Parameter('priority', 0, integer(-_MOST, _MOST), allowed='a whole number of 32 bits')
+PRIORITY = Parameter('priority', 0, INT32, allowed='a whole number of 32 bits')
 #: the time and energy of work, as keys of a place and of arrivals
 WORK_TABLE = (
     Parameter('duration', None, number(MIN_SECONDS, MAX_SECONDS, unit='s, simulated')),
