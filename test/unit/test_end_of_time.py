@@ -51,7 +51,7 @@ def test_a_robot_that_is_too_slow_for_a_goal_says_so_and_does_not_move(rig, limi
 
 
 def test_a_goal_whose_frame_is_asked_for_after_the_end_of_time_is_aborted_at_once(rig):
-    robot = rig()
+    robot = rig(longest_wait=2.0 * END)
     text = too_late(robot.send('g', 1.0, 0.0, frame='base_link', stamp=END + 1.0))
     assert text.startswith('The goal cannot be waited for: ')
 

@@ -5,8 +5,10 @@ import pytest
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
+from move_base_abstract.goals.goal_pose import BadFramePolicy
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.goals.recovery import RecoveryPolicy
+from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from test_goal_frames import Tractor
 
@@ -61,6 +63,23 @@ def test_a_run_of_weeks_may_wait_longer_if_it_says_so():
     fleet = Fleet(make_scenario({'robots': [{'name': 'bot', 'max_speed': 0.001, 'longest_wait': 1e6}]}))
     fleet.robot('bot').send(100.0, 0.0)
     assert fleet.run() == 100_001 * S
+
+
+def test_a_frame_that_is_looked_up_again_and_again_is_no_goal_far_ahead(rig):
+    robot = rig(bad_frame_policy=BadFramePolicy.WAIT, foreign={}, longest_wait=0.01)
+    robot.send('g', 0.0, 0.0, frame='dock')
+    robot.advance(1.0)
+    robot.foreign['dock'] = lambda _stamp_ns: Pose2D()
+    assert robot.advance(2.0)[-1][:3] == ('result', 'g', 'SUCCEEDED')
+
+
+@pytest.mark.parametrize('yaw', [math.inf, -math.inf, math.nan])
+def test_a_heading_that_is_no_number_is_no_heading(yaw):
+    fleet = Fleet(make_scenario({'robots': [{'name': 'bot'}]}))
+    fleet.robot('bot').send(1.0, 0.0, yaw)
+    fleet.run()
+    assert [entry.values[1:] for entry in fleet.trace if entry.kind == 'ended'] == [
+        ('ABORTED', 'Aborting on goal because it was sent with an invalid quaternion')]
 
 
 @pytest.mark.parametrize('z', [math.nan, math.inf])

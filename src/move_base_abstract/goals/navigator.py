@@ -130,7 +130,11 @@ class Navigator:
             self._bad_place(goal, lacking, now_ns)
             return
         if goal.stamp_ns and self._frames.is_yet_to_come(goal.frame_id, goal.stamp_ns, now_ns):
-            self._try_at(goal.stamp_ns if goal.stamp_ns > now_ns else now_ns + _RETRY_NS, goal, now_ns)
+            if goal.stamp_ns - now_ns > self.longest_wait_ns:
+                self.refuse_to_wait(goal.stamp_ns, "the goal's stamp", 'is it of the wall clock? Stamps are of /clock, '
+                                    'which nodes follow with use_sim_time', now_ns)
+            else:
+                self._try_at(goal.stamp_ns if goal.stamp_ns > now_ns else now_ns + _RETRY_NS, goal, now_ns)
             return
         try:
             pose = self._frames.place(goal, now_ns)
@@ -155,12 +159,7 @@ class Navigator:
 
     def _try_at(self, due_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Look up the goal's place at ``due_ns`` [ns]."""
-        if not self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
-            return
-        if due_ns - now_ns > self.longest_wait_ns:
-            self.refuse_to_wait(due_ns, "the goal's stamp", 'is it of the wall clock? Stamps are of /clock, which '
-                                'nodes follow with use_sim_time', now_ns)
-        else:
+        if self._can_wait_for(due_ns, "the goal's frame would be looked up", now_ns):
             self._agenda.at(due_ns, lambda due_ns, _now_ns: self._find_place(goal, due_ns))
 
     def refuse_to_wait(self, due_ns: int, what: str, cause: str, now_ns: int) -> None:
