@@ -119,6 +119,7 @@ void RunEnd::noteDeparture(const SessionMember& member, const std::string& what)
     left_node_ = !member.dead && left_.empty() ? member.name : left_node_;
     why = why.empty() ? what + run_.text.at() + ", and the run ends with it" : why;
   }
+  has_died_ = has_died_ || (member.dead && !death_.empty());
 }
 
 std::string RunEnd::reason() const {

@@ -51,7 +51,7 @@ class RunEnd {
    * @return whether the run ends with the turns that were applied last, so that later turns of a
    * window do not count.
    */
-  bool stopsTurns() const { return !left_.empty() || isLabelledStrictly(); }
+  bool stopsTurns() const { return !left_.empty() || has_died_ || isLabelledStrictly(); }
   /**
    * @return why nothing happens any more: the text about a deadlock, a zero-delay loop or the end.
    */
@@ -74,8 +74,9 @@ class RunEnd {
   bool is_cut_ = false;     // see LockstepStatus
   bool is_closed_ = false;  // END is sent
   bool ended_as_wished_ = false;
-  std::string death_;  // text about a death that ends the run, by on_death or end_with
-  std::string left_;   // text about a departure that ends the run, by end_with
+  bool has_died_ = false;  // somebody whose death ends the run, and all its turns are applied
+  std::string death_;      // text about a death that ends the run, by on_death or end_with
+  std::string left_;       // text about a departure that ends the run, by end_with
   std::string left_node_;
   std::string reason_;  // of the end
   std::string_view code_ = ended_by::kOther;

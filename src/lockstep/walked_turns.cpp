@@ -113,9 +113,12 @@ void WalkedTurns::apply() {
     sets_.clear();
   }
   applyGone();
-  Nanoseconds last = kNever;
-  while (!end_.stopsTurns()) {
+  Nanoseconds last = run_.rounds.now();
+  while (true) {
     const Nanoseconds at = first();
+    if (end_.stopsTurns() && at != run_.rounds.now()) {
+      break;
+    }
     if (at == kNever || at >= run_.rounds.windows().begin()) {
       last = run_.rounds.windows().begin();
       break;

@@ -194,6 +194,52 @@ TEST(LastRound, ALoopWithoutDelayHasNone) {
   EXPECT_EQ(both.session.status().ended_by, ended_by::kZeroDelayLoop);
 }
 
+TEST(LastRound, OneThatLeavesInItEndsTheRunNoMore) {
+  LockstepSettings settings = named({"/a", "/b"});
+  settings.end_with = {"/a", "/b"};
+  Talkers both(settings);
+  both.leaveWith({send("last")});
+  EXPECT_EQ(grants(both, 1), Texts{"1100+1: last"});
+  both.leave(1);
+  EXPECT_TRUE(both.isOver());
+  EXPECT_EQ(both.session.status().ended_with, "/b");
+  EXPECT_EQ(both.session.status().departures.size(), 2U);
+}
+
+TEST(LastRound, ForeseenTurnsAtItsInstantAreHeardAndLaterOnesAreNot) {
+  Talkers both;
+  both.report(2, 1200 * kMilli, {send("go")});
+  EXPECT_EQ(grants(both, 1), Texts{"1100+1: go"});
+  grants(both, 2);
+  both.report(1, 1900 * kMilli,
+              {wire::At{1200 * kMilli}, send("due"), wire::At{1300 * kMilli}, send("late")});
+  both.report(2, 1200 * kMilli);
+  EXPECT_EQ(grants(both, 2), Texts{"1200+0:"});
+  both.leaveWith({send("last")});
+  EXPECT_EQ(grants(both, 1), Texts{"1200+1: due last"});
+  both.report(1, kNever);
+  EXPECT_TRUE(both.isOver());
+}
+
+TEST(LastRound, WhatOneWouldReadLaterIsHandedOver) {
+  Talkers both;
+  both.report(2, 1200 * kMilli, {send("look")});
+  EXPECT_EQ(grants(both, 1), Texts{"1100+1: look"});
+  grants(both, 2);
+  both.report(1, 5 * kSecond, {wire::ChooseDelivery{kTopic, wire::Delivery::kUnread}});
+  both.report(2, 1200 * kMilli);
+  grants(both, 2);
+  both.report(2, 1300 * kMilli, {send("unread")});
+  EXPECT_EQ(grants(both, 1), Texts{});
+  grants(both, 2);  // its own message
+  both.report(2, 1300 * kMilli);
+  EXPECT_EQ(grants(both, 2), Texts{"1300+0:"});
+  both.leaveWith({send("last")});
+  EXPECT_EQ(grants(both, 1), Texts{"1300+1: unread last"});
+  both.report(1, kNever);
+  EXPECT_TRUE(both.isOver());
+}
+
 /** @brief Carries everything for a second. */
 class Slow : public Carrier {
  public:

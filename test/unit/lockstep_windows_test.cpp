@@ -197,32 +197,59 @@ TEST(Windows, WhoLooksWhoIsThereIsGrantedAloneWhenAllOthersHaveComeSoFar) {
   EXPECT_EQ(text(both.grant(1)), "1180 to 1230");
 }
 
-TEST(Windows, TheRunEndsAtTheInstantAtWhichTheOneLeavesThatItEndsWith) {
+LockstepSettings endingWithB() {
   LockstepSettings settings = ahead({"/a", "/b"});
   settings.end_with = {"/b"};
-  Talkers both(settings);
-  both.grant(1);
-  const auto granted = both.grant(2);
+  return settings;
+}
+
+/** @brief Both are granted what comes from 1100 ms on, and the run ends with /b. */
+struct Ending : Talkers {
+  Ending() : Talkers(endingWithB()) {
+    grant(1);
+    grant(2);
+  }
+
+  /** @brief /b sends its last report. */
+  void leaveWith(std::vector<wire::ReportItem> items) {
+    frame(2, wire::Report{round(2), true, kNever, 0, std::move(items)});
+  }
+};
+
+TEST(Windows, TheRunEndsAtTheInstantAtWhichTheOneLeavesThatItEndsWith) {
+  Ending both;
   both.report(1, kNever,
               {wire::At{1110 * kMilli}, note("in time"), wire::At{1111 * kMilli}, note("after")});
-  both.frame(2, wire::Report{granted->grant.round, true, kNever, 0, {wire::At{1110 * kMilli}}});
+  both.leaveWith({wire::At{1110 * kMilli}});
   EXPECT_EQ(lines(both.session), std::vector<std::string>{"1110 r in time []"});
   EXPECT_EQ(both.phase(), "ended");
   EXPECT_TRUE(both.said("left at 1.11 s"));
 }
 
+TEST(Windows, TheRunEndsAtTheLatestInstantOfOneWhoseDeathEndsIt) {
+  Ending both;
+  both.report(2, kNever, {wire::At{1120 * kMilli}, send("y"), note("in time")});
+  both.cut(2);
+  both.report(1, 1500 * kMilli, {send("x"), wire::At{1121 * kMilli}, note("after"), send("z")});
+  EXPECT_EQ(text(both.grant(1)), "1150 to 1170 x 1170: y link link");
+  both.report(1, kNever);
+  EXPECT_EQ(both.phase(), "ended");
+  EXPECT_EQ(both.session.now(), 1120 * kMilli);
+  EXPECT_EQ(lines(both.session), std::vector<std::string>{"1120 r in time []"});
+}
+
+TEST(Windows, WhatOthersSayAtTheInstantOfADeathThatEndsTheRunCounts) {
+  Ending both;
+  both.cut(2);  // before it has reported
+  both.report(1, 1500 * kMilli, {note("in time"), wire::At{1101 * kMilli}, note("after")});
+  EXPECT_EQ(both.phase(), "ended");
+  EXPECT_EQ(lines(both.session), std::vector<std::string>{"1100 r in time []"});
+}
+
 TEST(Windows, WhatIsUnderWayAtTheEndIsHeardAtItsInstantAndNothingLaterCounts) {
-  LockstepSettings settings = ahead({"/a", "/b"});
-  settings.end_with = {"/b"};
-  Talkers both(settings);
-  both.grant(1);
-  const auto granted = both.grant(2);
+  Ending both;
   both.report(1, 1155 * kMilli, {send("w"), wire::At{1130 * kMilli}, send("after")});
-  both.frame(2, wire::Report{granted->grant.round,
-                             true,
-                             kNever,
-                             0,
-                             {send("x"), wire::At{1120 * kMilli}, send("y"), note("in time")}});
+  both.leaveWith({send("x"), wire::At{1120 * kMilli}, send("y"), note("in time")});
   EXPECT_EQ(text(both.grant(1)), "1150 to 1170 w x 1170: y link link");
   both.report(1, kNever, {send("unheard"), note("too late"), wire::At{1155 * kMilli}, note("own")});
   EXPECT_EQ(both.phase(), "ended");
