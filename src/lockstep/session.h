@@ -123,8 +123,12 @@ class LockstepSession {
     labelIf(why);
     poll_due_ = true;
   }
-  /** @return what participants want of others; nothing while the present instant goes on. */
+  /** @return what participants want of others; nothing while the present instant goes on. When the
+   * run has ended, they want nothing any more. */
   std::optional<MessageRouter::Wanted> wanted() const {
+    if (run_.rounds.ended()) {
+      return MessageRouter::Wanted();
+    }
     // Reports that have come count when they have been applied.
     const bool is_over = run_.rounds.started() && run_.rounds.settled() && !poll_due_;
     return is_over ? std::make_optional(run_.router.wanted()) : std::nullopt;

@@ -8,10 +8,10 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr Nanoseconds kOnlookerGap = kNanosecondsPerSecond / 10;   // wall, between two looks
-constexpr Nanoseconds kOnlookerQuiet = kNanosecondsPerSecond;      // wall
-constexpr Nanoseconds kOnlookerLimit = 5 * kNanosecondsPerSecond;  // wall
-constexpr std::chrono::milliseconds kOnlookerAnswer{1000};         // wall
+constexpr Nanoseconds kOnlookerGap = kNanosecondsPerSecond / 10;  // wall, between two looks
+constexpr Nanoseconds kOnlookerQuiet = kNanosecondsPerSecond;     // wall
+constexpr int kOnlookerLimit = 5;                                 // s, wall
+constexpr std::chrono::milliseconds kOnlookerAnswer{1000};        // wall
 constexpr int kServicePlace = 2;  // their place in the answer to getSystemState
 
 }  // namespace
@@ -34,28 +34,28 @@ void OnlookerWait::work(LockstepServer& server, Nanoseconds wall) {
   if (!wanted) {
     return;  // participants still work at the first instant
   }
-  const bool is_needed = !wanted->topics.empty() || !wanted->services.empty();
-  if (limit_ == kNever) {
-    limit_ = wall + kOnlookerLimit;
-    if (is_needed) {
+  std::string why;
+  if (wanted->is_any) {
+    if (limit_ == kNever) {
+      limit_ = wall + kOnlookerLimit * kNanosecondsPerSecond;
       ROS_INFO(
-          "lockstep: time stands until nodes that look on are there, at most 5 s of wall time");
+          "lockstep: time stands until nodes that look on are there, at most %d s of wall time",
+          kOnlookerLimit);
+    }
+    if (look() || rounds != rounds_) {
+      changed_ = wall;
+      rounds_ = rounds;
+    }
+    const std::string what = missing(wanted->services);
+    if (wall < limit_ && (!what.empty() || wall < changed_ + kOnlookerQuiet)) {
+      return;
+    }
+    if (!what.empty()) {
+      why = "time has started without " + what + ", after " + std::to_string(kOnlookerLimit) +
+            " s of wall time: an onlooker is late, or waits itself";
     }
   }
-  if (look() || rounds != rounds_) {
-    changed_ = wall;
-    rounds_ = rounds;
-  }
-  const std::string what = missing(wanted->services);
-  if (is_needed && wall < limit_ && (!what.empty() || wall < changed_ + kOnlookerQuiet)) {
-    return;
-  }
   is_over_ = true;
-  const std::string why = is_needed && !what.empty()
-                              ? "time has started without " + what + ", after " +
-                                    std::to_string(kOnlookerLimit / kNanosecondsPerSecond) +
-                                    " s of wall time: an onlooker is late, or waits itself"
-                              : "";
   server.with([&](LockstepSession& session) { session.release(why); });
 }
 

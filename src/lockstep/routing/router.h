@@ -114,10 +114,9 @@ class MessageRouter {
   /** @return the number of waits for services that no participant serves yet. */
   std::size_t watches() const;
   const OpenGoals& goals() const { return goals_; }
-  /** @brief What participants want and none of them provides, by the names of topics and services.
-   */
+  /** @brief What participants want and none of them provides. */
   struct Wanted {
-    std::vector<std::string> topics;    // that they hear
+    bool is_any = false;                // a topic that they hear, or a service
     std::vector<std::string> services;  // that they wait for
   };
   Wanted wanted() const;

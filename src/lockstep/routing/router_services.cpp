@@ -178,16 +178,15 @@ std::size_t MessageRouter::watches() const {
 
 MessageRouter::Wanted MessageRouter::wanted() const {
   Wanted found;
-  for (const Topic& topic : topics_) {
-    if (topic.publishers.empty() && !topic.subscribers.empty()) {
-      found.topics.emplace_back(topic.name);
-    }
-  }
   for (const Service& service : services_) {
     if (!service.watchers.empty()) {
       found.services.emplace_back(service.name);
     }
   }
+  found.is_any = !found.services.empty() ||
+                 std::any_of(topics_.begin(), topics_.end(), [](const Topic& topic) {
+                   return topic.publishers.empty() && !topic.subscribers.empty();
+                 });
   return found;
 }
 
