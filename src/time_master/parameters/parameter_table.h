@@ -90,8 +90,7 @@ constexpr ParameterRow kParameterTable[] = {
      "Reasons why the log does not cover the whole run, which is then not called repeatable."},
     {"onlookers", "list of texts", "", "[]", "list of node names",
      "Nodes that do not take part, and whose topics and services participants may need at once: "
-     "time "
-     "stands at its first instant until they are there, for at most 5 s of wall time."},
+     "time stands at its first instant until they are there, for at most 5 s of wall time."},
     {"message_bytes", "text", "", "", "path of a new file",
      "New file for the bytes of the messages between participants, at most 256 MiB; `verify` reads "
      "it."},
