@@ -98,7 +98,7 @@ def yaw_of_quaternion(quaternion: Sequence[float]) -> float:
 
 
 def quaternion_of_yaw(yaw: float) -> Quaternion:
-    """Return the unit quaternion (x, y, z, w) of a rotation about z by ``yaw`` [rad]; it has NaN if that is not finite."""
+    """Return the unit quaternion (x, y, z, w) of a rotation about z by ``yaw`` [rad]; with NaN if it is not finite."""
     half = yaw / 2.0 if math.isfinite(yaw) else math.nan
     return 0.0, 0.0, math.sin(half), math.cos(half)
 

@@ -23,6 +23,7 @@ from . import groups
 from .spec import CLOCKS, ENGINES, TrialSpec
 
 DEFAULT_OUTPUT = 'study'
+_NUMBER = word_of(number())
 _COUNT = word_of(number(1, 10000, whole=True))  # of seeds, and of trials at a time
 _SEED = word_of(number(-1e99, 1e99, whole=True))  # the configuration says which are allowed
 ENGINE_OPTIONS = {  # options of one engine or clock only: default, and the arguments with which the option applies
@@ -234,9 +235,9 @@ def _add_trial(parser: Any) -> None:
     parser.set_defaults(run=_trial)
     parser.add_argument('--engine', choices=ENGINES, default='ros', help='default: %(default)s')
     parser.add_argument('--clock', choices=CLOCKS, help='clock of ROS (default: lockstep)')
-    parser.add_argument('--factor', type=float, metavar='F',
+    parser.add_argument('--factor', type=_NUMBER, metavar='F',
                         help='simulated s per wall s of the scaled clock, 0.01..1e6 (default: 10)')
-    parser.add_argument('--limit', type=float, metavar='F',
+    parser.add_argument('--limit', type=_NUMBER, metavar='F',
                         help='in lockstep, upper limit of simulated s per wall s; 0 = no limit (default: 0)')
     parser.add_argument('--charge', help='simulated time that computing takes in lockstep: none, '
                         'fixed:SECONDS, measured[:FILE], measured_cpu[:FILE], replay:FILE (default: none)')

@@ -176,7 +176,8 @@ def test_arguments_that_cannot_be_used_are_refused_at_once_and_leave_nothing(tmp
 
 
 @pytest.mark.parametrize('words', [['--seed', '1' * 5001], ['--robots', '9' * 5001], ['--seed', '1e3'],
-                                   ['--robots', '10001'], ['--budget', '-1'], ['--speed', 'nan']])
+                                   ['--robots', '10001'], ['--budget', '-1'], ['--speed', 'nan'],
+                                   ['--factor', '1_0'], ['--limit', '1_0']])
 def test_numbers_that_cannot_be_are_refused_in_a_line_or_two(capsys, words):
     with pytest.raises(SystemExit) as caught:
         command.main(['trial', *words])
