@@ -63,7 +63,7 @@ HELD = """<launch>
   <node pkg="study_of_others" type="hearer.py" name="hearer" output="screen" required="true"/>
 </launch>
 """
-MISSING = '<node pkg="move_base_abstract" type="no_such_program" name="missing"/>'
+MISSING = '<node pkg="study_of_others" type="{}" name="missing"/>'
 #: {program of this package: how it takes part, or why it does not}
 NODES = {
     **dict.fromkeys(('dispatcher', 'fleet', 'map_server', 'move_base', 'move_base_abstract_actionserver', 'task_server',
@@ -99,7 +99,8 @@ class OwnNodesTest(unittest.TestCase):
 
 
 class MapTest(OwnPackage, unittest.TestCase):
-    FILES = {'asker.py': ASKER}
+    FILES = {'asker.py': ASKER, 'for_nobody': '#!/usr/bin/no_such_interpreter\n',
+             'by_env': '#!/usr/bin/env -S sh -e\n'}
 
     def _run(self, *words, own='', more=''):
         path = self.write('mapped.launch', MAPPED.format(own, more))
@@ -121,10 +122,14 @@ class MapTest(OwnPackage, unittest.TestCase):
         self.assertEqual(end['not_repeatable_because'], [])
 
     def test_a_program_that_could_not_be_started_makes_the_run_not_repeatable(self):
-        said, end, _ = self._run('--crashes', 'allow', more=MISSING)
-        self.assertIn('/missing crashed: it could not be started', said)
-        self.assertEqual(end['not_repeatable_because'], ["'/missing' could not be started"])
-        self.assertFalse(end['repeatable'])
+        for program, why in (('no_such_program', 'Cannot locate node of type [no_such_program]'),
+                             ('for_nobody', 'is a program for /usr/bin/no_such_interpreter, which is not here')):
+            said, end, _ = self._run('--crashes', 'allow', more=MISSING.format(program))
+            self.assertIn(why, said)
+            self.assertIn('/missing crashed: it could not be started', said)
+            self.assertEqual(end['not_repeatable_because'], ["'/missing' could not be started"])
+            self.assertFalse(end['repeatable'])
+        self.assertEqual(self._run(more=MISSING.format('by_env'))[1]['not_repeatable_because'], [])
 
 
 class HeldTest(OwnPackage, unittest.TestCase):

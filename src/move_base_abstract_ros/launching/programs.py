@@ -94,8 +94,11 @@ def mentions(path, word):
 def missing_interpreter(path):
     """Return the interpreter that a script names in its first line, if it is not here, or ''."""
     first = _read(path)[:_LONGEST_FIRST_LINE].partition(b'\n')[0].decode('utf-8', 'replace')
-    words = first[2:].strip(' ').split(' ') if first.startswith('#!') else []
-    name = words[1] if len(words) > 1 and os.path.basename(words[0]) == 'env' else ''.join(words[:1])
+    words = re.split('[ \t]+', first[2:].strip(' \t')) if first.startswith('#!') else ['']
+    of_env = [word for word in words[1:] if word != '-S'] if os.path.basename(words[0]) == 'env' else []
+    name = (of_env or words)[0]
+    if name.startswith('-') or '=' in name:  # of `env`: which word names the interpreter depends on the option
+        return ''
     return repr(name)[1:-1] if name and shutil.which(name) is None else ''
 
 

@@ -5,6 +5,7 @@ import shlex
 from typing import NamedTuple
 
 from rosgraph.names import ns_join
+from roslaunch.node_args import NodeParamsException, create_local_process_args
 from roslib import packages
 
 from ..adopting.poses import name_of
@@ -192,6 +193,18 @@ def _programs_of(node):
         return packages.find_node(node.package, node.type)
     except Exception:  # roslaunch reports the error when it starts the node
         return []
+
+
+def command_of(node):
+    """Return the words of the command that starts a roslaunch Node.
+
+    :raises NodeParamsException, ValueError: if its program is not here, or the interpreter that the program names.
+    """
+    words = create_local_process_args(node, node.machine)
+    interpreter = programs.missing_interpreter(words[0])
+    if interpreter:
+        raise NodeParamsException('{} is a program for {}, which is not here'.format(words[0], interpreter))
+    return words
 
 
 def choice_of_program(node):

@@ -15,7 +15,7 @@ from typing import NamedTuple, Tuple
 
 import rospkg
 from roslaunch.core import is_machine_local, setup_env
-from roslaunch.node_args import NodeParamsException, create_local_process_args
+from roslaunch.node_args import NodeParamsException
 
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import SimulatorError
@@ -147,7 +147,7 @@ class Run:
             if is_machine_local(node.machine):
                 name = roles.name_of(node)
                 try:
-                    found[name] = create_local_process_args(node, node.machine)
+                    found[name] = roles.command_of(node)
                 except (NodeParamsException, ValueError) as error:
                     if on_failure is None:
                         raise SimulatorError('{} cannot be started: {}'.format(name, error)) from None
@@ -227,10 +227,7 @@ class Run:
         return None
 
     def end(self, patience=None):
-        """End all processes, and return their ends.Process. Time stops first, so that no node goes on by the clock.
-
-        ``patience``: another Patience than the run's own.
-        """
+        """End all, time first: no node goes on by the clock. Return ends.Processes. ``patience``: not the run's own."""
         self._patience = patience or self._patience
         self._news()
         self._pause(0.0)
