@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdarg>
 
 #include "clocks.h"
 #include "libc/glibc_fields.h"
+#include "libc/raw_call.h"
 #include "real.h"
 
 namespace move_base_abstract::native {
@@ -137,24 +137,15 @@ int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* until) {
 
 /** By this function the C++ library (std::future), Abseil and Rust wait for a futex until an
  * instant. */
-long syscall(long number, ...) noexcept {
+long rawCall(long number, long a, long b, long c, long d, long e, long f) noexcept {
   static native::Real<long(long, ...)> function("syscall");
-  va_list rest;
-  va_start(rest, number);
-  long words[6];
-  for (long& word : words) {
-    word = va_arg(rest, long);
+  if (number != SYS_futex || (b & FUTEX_CMD_MASK) != FUTEX_WAIT_BITSET) {
+    return function.get()(number, a, b, c, d, e, f);
   }
-  va_end(rest);
-  const long what = words[1] & FUTEX_CMD_MASK;
-  if (number != SYS_futex || what != FUTEX_WAIT_BITSET) {
-    return function.get()(number, words[0], words[1], words[2], words[3], words[4], words[5]);
-  }
-  const clockid_t clock = (words[1] & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
-  const native::Deadline deadline(clock, reinterpret_cast<const timespec*>(words[3]),
+  const clockid_t clock = (b & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
+  const native::Deadline deadline(clock, reinterpret_cast<const timespec*>(d),
                                   MOVE_BASE_ABSTRACT_CALLER);
-  const long result = function.get()(number, words[0], words[1], words[2],
-                                     reinterpret_cast<long>(*deadline), words[4], words[5]);
+  const long result = function.get()(number, a, b, c, reinterpret_cast<long>(*deadline), e, f);
   deadline.over(0, result != 0 && errno == ETIMEDOUT);
   return result;
 }

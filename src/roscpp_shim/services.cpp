@@ -156,10 +156,6 @@ bool mayBeOfferedOutside(const std::string& service) {
   return false;
 }
 
-}  // namespace
-
-namespace {
-
 /** @brief Count a call of a service. In a loop that does nothing but call, time goes on. */
 void countCall() {
   constexpr unsigned kCalls = 1000;  // at one instant, after which each takes a while

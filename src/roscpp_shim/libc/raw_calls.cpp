@@ -10,13 +10,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdarg>
 #include <initializer_list>
 #include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "libc/raw_call.h"
 #include "roscpp_shim/clocks.h"
 #include "roscpp_shim/followed.h"
 #include "roscpp_shim/machine/real.h"
@@ -134,30 +134,21 @@ namespace shim = move_base_abstract::shim;
 #pragma GCC visibility push(default)
 extern "C" {
 
-long syscall(long number, ...) noexcept {
+long rawCall(long number, long a, long b, long c, long d, long e, long f) noexcept {
   static auto* const function = shim::real<long(long, ...)>("syscall");
-  va_list rest;
-  va_start(rest, number);
-  long words[6];
-  for (long& word : words) {
-    word = va_arg(rest, long);
-  }
-  va_end(rest);
-  const auto* const first = reinterpret_cast<void*>(words[0]);
-  const auto operation = static_cast<int>(words[1]);
+  const auto operation = static_cast<int>(b);
   if (number == SYS_futex && shim::isOneOf(operation, {FUTEX_WAKE, FUTEX_WAKE_BITSET})) {
-    shim::turn().signal(first, words[2] != 1);
+    shim::turn().signal(reinterpret_cast<void*>(a), c != 1);
   }
   const void* const caller = MOVE_BASE_ABSTRACT_CALLER;
   if (shim::sees() != shim::Sees::kMachine && !shim::isIn(caller, {"roscpp_shim"})) {
+    const long words[] = {a, b, c, d};
     if (const auto result = shim::followedCall(number, words)) {
       return *result;
     }
-    if (number != SYS_futex) {
-      shim::tellRaw(number, caller);
-    }
+    shim::tellRaw(number, caller);
   }
-  return function(number, words[0], words[1], words[2], words[3], words[4], words[5]);
+  return function(number, a, b, c, d, e, f);
 }
 
 }  // extern "C"
