@@ -109,7 +109,11 @@ def _run(options: Any) -> int:
 
 def _check_goals(plan: Any, path: str, blocked: Any) -> None:
     from .movingai import read_problems
-    for number, (one, problem) in enumerate(zip(plan.paths, read_problems(path, blocked))):
+    problems = read_problems(path, blocked)
+    if len(problems) < len(plan.paths):
+        raise ConfigurationError('--goals: {} has {} problems; allowed: at least {}, one for each path'.format(
+            path, len(problems), len(plan.paths)))
+    for number, (one, problem) in enumerate(zip(plan.paths, problems)):
         if one[-1] != problem.goal:
             raise ConfigurationError('agent {}: its path ends at column {}, row {}, but its goal is column {}, row '
                                      '{}'.format(number, *one[-1], *problem.goal))

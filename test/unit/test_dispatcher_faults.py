@@ -13,7 +13,8 @@ from move_base_abstract.orders.policies import POLICIES, Nearest
 @pytest.mark.parametrize('wrong, text', [
     (order(''), 'id: got none'), (order('no stops'), 'stops: got 0; allowed: 1 to 100'),
     (Order('moon', 0, (Stop(Pose2D(), 'moon'),)), "stops[0]: place: got 'moon'; allowed: none"),
-    (order('back', (0.0, 0.0), seconds=-1.0), 'stops[0]: duration: got -1000000000; allowed: a finite number >= 0'),
+    (order('back', (0.0, 0.0), seconds=-1.0),
+     'stops[0]: duration [ns]: got -1000000000; allowed: a finite number >= 0'),
     (order('past', (0.0, 0.0), deadline_ns=-S), 'deadline: got 1 s before its arrival'),
     (order('twice', (0.0, 0.0)), "id: 'twice' was given to an order before"),
     (Order('many', 0, 7), 'stops: got 7; allowed: a list of stops'),
@@ -22,9 +23,9 @@ from move_base_abstract.orders.policies import POLICIES, Nearest
     (Order('none', 0, (None,)), 'stops[0]: pose: got None'), (Order('flat', 0, (Stop((1.0, 2.0)),)), 'stops[0]: pose'),
     (Order('yes', 0, (Stop(Pose2D(), power=True),)), 'stops[0]: power: got True'),
     (Order('nan', 0, (Stop(Pose2D(), energy=float('nan')),)),
-     'stops[0]: energy: got nan; allowed: a finite number >= 0'),
+     'stops[0]: energy [J]: got nan; allowed: a finite number >= 0'),
     (Order('power', 0, (Stop(Pose2D(), power=10 ** 400),)),
-     'stops[0]: power: got a whole number of about 401 digits; allowed: a finite number >= 0'),
+     'stops[0]: power [W]: got a whole number of about 401 digits; allowed: a finite number >= 0'),
     (order('urgent', (0.0, 0.0), priority=2 ** 31), 'priority: got 2147483648; allowed: a whole number of 32 bits'),
     (Order('place', 0, (Stop(Pose2D(), ['a']),)), 'stops[0]: place: got'),
 ])

@@ -286,6 +286,10 @@ def test_the_command_makes_a_scenario_drives_a_plan_and_tells_what_has_come_of_i
     assert run(*words) == 0  # what it made is replaced
     told = json.loads(figures.read_text())
     assert (told['policy'], told['arrived'], told['flow_time']) == (ORDER_KEPT, 5, sum(map(len, paths)) - 5)
+    (tmp_path / 'few.scen').write_text(''.join(problems.read_text().splitlines(True)[:4]))
+    assert run(*words, '--goals', tmp_path / 'few.scen') == 2
+    assert 'few.scen has 3 problems; allowed: at least 5, one for each path' in capsys.readouterr().err
+    assert run(*words) == 0
     assert 'sum of costs' in capsys.readouterr().out
     assert log.read_text().startswith('{"event_log":1')
     (tmp_path / 'plan.txt').write_text(written(make_plan(paths[::-1], 'plan')))

@@ -109,7 +109,7 @@ def _fault_of_stop(stop: Stop, places: Mapping[str, Place]) -> Optional[str]:
         return 'place: got {}; allowed: {}'.format(shown(stop.place), some_of(places))
     if stop.action not in ACTIONS:
         return 'action: got {}; allowed: {}'.format(shown(stop.action), ACTION.allowed)
-    for name, value in (('duration', stop.duration_ns), ('power', stop.power), ('energy', stop.energy)):
+    for name, value in (('duration [ns]', stop.duration_ns), ('power [W]', stop.power), ('energy [J]', stop.energy)):
         if not 0 <= value <= _LARGEST:
             return '{}: got {}; allowed: a finite number >= 0'.format(name, shown(value))
     return None
