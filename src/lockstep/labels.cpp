@@ -39,6 +39,9 @@ void RunLabels::keepFirst(const std::string& label) {
 
 void RunLabels::addDegraded(const std::string& why) {
   const std::string added = addLabel(degraded_, why);
+  // A run that is degraded may be repeatable, and its log has these labels: the wall clock says
+  // which of two nodes that crash at one instant is noticed first.
+  std::sort(degraded_.begin(), degraded_.end());
   if (!added.empty()) {
     messages_.say(LockstepMessage::Level::kWarn, "the run is degraded: " + added);
     keepFirst("degraded: " + added);

@@ -33,6 +33,7 @@ class RunLabels {
    */
   const std::string& first() const { return first_; }
   const std::vector<std::string>& notRepeatable() const { return not_repeatable_; }
+  /** @return the labels of this kind, sorted: their order does not depend on the wall clock. */
   const std::vector<std::string>& degraded() const { return degraded_; }
 
  private:

@@ -107,8 +107,8 @@ void RunEnd::endIfSomebodyHasGone() {
 
 void RunEnd::degrade(const std::string& why) {
   run_.labels.addDegraded(why);
-  if (run_.settings.on_death == OnDeath::kEnd && death_.empty()) {
-    death_ = why;
+  if (run_.settings.on_death == OnDeath::kEnd && (death_.empty() || why < death_)) {
+    death_ = why;  // of several at one instant, the same one in each run
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lockstep_client.h"
@@ -209,7 +210,7 @@ TEST(Interruption, DeathOfAnotherMeanwhileDegradesTheRunOnlyIfItGoesOn) {
       three.pass(Interruption::kGrace);
       ASSERT_EQ(three.labels().size(), 4U);
       EXPECT_NE(three.labels()[0].find("'/b' ended at 2 s without a word"), std::string::npos);
-      EXPECT_NE(three.labels()[2].find("'/b' died at 2 s"), std::string::npos);
+      EXPECT_NE(three.labels()[3].find("'/b' died at 2 s"), std::string::npos);
     } else {
       three.stop(3);
       EXPECT_EQ(three.labels(), Texts{});
@@ -254,6 +255,26 @@ TEST(Interruption, WhoDiesWithoutAWordLabelsTheRun) {
               is_told ? Texts{}
                       : Texts{"'/a' ended at 2 s without a word, as a process that somebody kills "
                               "when the wall clock says so"});
+  }
+}
+
+TEST(Interruption, WhoIsNoticedFirstOfTwoThatCrashAtOneInstantChangesNothing) {
+  for (const auto on_death : {OnDeath::kGoOn, OnDeath::kEnd}) {
+    std::vector<std::pair<Texts, std::string>> seen;  // labels, the reason of the end
+    for (const auto& order : std::vector<std::vector<ConnectionId>>{{1, 2}, {2, 1}}) {
+      LockstepSettings settings = named({"/a", "/b", "/c"});
+      settings.on_death = on_death;
+      Three three(settings);
+      for (const ConnectionId id : order) {
+        three.frame(id, wire::Crashing{});
+        three.cut(id);
+      }
+      three.report(3, 3 * kSecond);
+      EXPECT_EQ(three.phase() == "ended", on_death == OnDeath::kEnd);
+      seen.emplace_back(three.labels(), three.end[3]);
+    }
+    EXPECT_EQ(seen[0].first.size(), 2U);
+    EXPECT_EQ(seen[0], seen[1]);
   }
 }
 
