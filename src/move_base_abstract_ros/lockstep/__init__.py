@@ -7,7 +7,7 @@ docs/lockstep.md says what is part of a run and what is not.
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .exchange.access import is_lockstep as is_lockstep
+    from .exchange.access import is_awaited as is_awaited, is_lockstep as is_lockstep
     from .exchange.links import repetition as repetition, sender as sender
     from .participation.joining import (
         join as join,

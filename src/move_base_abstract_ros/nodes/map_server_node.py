@@ -14,7 +14,6 @@ import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
-from rosgraph.names import ns_join
 from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
@@ -108,7 +107,7 @@ class MapServer:
     """Publishes one map, returns it to callers of ``static_map``, and replaces it when ``change_map`` asks."""
 
     def __init__(self, frame_id, occupancy):
-        participant = lockstep.join(own_threads=False) if _is_awaited() else None
+        participant = lockstep.join(own_threads=False) if lockstep.is_awaited(rospy.get_name()) else None
         self._frame_id = frame_id
         self._lock = threading.Lock()
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
@@ -167,12 +166,6 @@ def to_path(url):
         return os.path.join(rospkg.RosPack().get_path(package), path)
     except rospkg.ResourceNotFound:
         raise ConfigurationError("{}: there is no package '{}'".format(url, package)) from None
-
-
-def _is_awaited():
-    """Return whether the time master waits for this node. One that is not named looks on."""
-    named = rospy.get_param('/time_master/participants', [])
-    return rospy.get_name() in [ns_join('/', name) for name in named]
 
 
 def _wait_for_time():

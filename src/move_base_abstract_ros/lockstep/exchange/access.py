@@ -50,6 +50,12 @@ def secret() -> bytes:
                       rospy.get_param('/time_master/lockstep_secret_file', ''))
 
 
+def is_awaited(name: str) -> bool:
+    """Return whether the time master waits for the node ``name``, a full name, before time starts: it is named."""
+    named = rospy.get_param('/time_master/participants', [])
+    return isinstance(named, list) and name.strip('/') in [str(one).strip('/') for one in named]
+
+
 def is_lockstep() -> bool:
     """Return whether the time master is, or will be, in lockstep (parameter ``/time_master/mode``)."""
     return rospy.get_param('/time_master/mode', 'scaled') == 'lockstep'

@@ -21,7 +21,7 @@ from rospy.impl import tcpros_service
 from move_base_abstract.lockstep import wire
 
 from ...replacing.replaced import replaced
-from ..exchange.access import connect, secret
+from ..exchange.access import connect, is_awaited, secret
 from ..exchange.connection import Closed
 from ..waiting.waits import replaced_within
 
@@ -140,8 +140,7 @@ class Early:
             pass  # there is no time master to be told
 
     def _say_goodbye(self, reason: str) -> None:
-        named = rospy.get_param('/time_master/participants', [])
-        if not isinstance(named, list) or self._name.strip('/') not in [str(name).strip('/') for name in named]:
+        if not is_awaited(self._name):
             return
         connection = connect(_PATIENCE_S)
         connection.send(wire.hello(self._name, '', 0, False, 0, secret()) + wire.leave(reason))
