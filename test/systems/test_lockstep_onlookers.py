@@ -148,4 +148,4 @@ class HeldTest(OwnPackage, unittest.TestCase):
         self.assertIn('timeout exceeded while waiting for service /asked', said)
         why = str(log.end['not_repeatable_because'])
         self.assertIn('time has started without the service /asked', why)
-        self.assertIn('service /asked was waited for in vain; /serves, which may have it, look on', why)
+        self.assertIn('service /asked was waited for in vain; it may be of a node that looks on: /serves', why)

@@ -151,7 +151,7 @@ class _Waits:
         """Label the run if nodes that do not take part may have ``what``, for which a thread has waited in vain."""
         others = rospy.get_param('/time_master/onlookers', [])
         if others:
-            self._participant.label('{} was waited for in vain; {}, which may have it, look on'.format(
+            self._participant.label('{} was waited for in vain; it may be of a node that looks on: {}'.format(
                 what, ', '.join(others)))
 
     def wait_for_result(self, client: Any, timeout: Any = genpy.Duration()) -> bool:
