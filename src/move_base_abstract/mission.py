@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tup
 from .common.bounded_yaml import load_yaml_file
 from .common.csv_files import read_values
 from .common.errors import ConfigurationError
+from .common.geometry import Pose2D, pose_of
 from .common.kinds import similar
 from .common.ros_names import ROBOT_NAME_RULE, is_robot_name
 from .common.shown import shown, shown_text
-from .motion.geometry import Pose2D
 
 if TYPE_CHECKING:
     from .common.type_names import StrPath
@@ -134,7 +134,7 @@ def _parse_place(value: Any, previous: Optional[Pose2D], where: str) -> Pose2D:
         if isinstance(number, bool) or not isinstance(number, (int, float)) or not math.isfinite(number):
             hint = ' (YAML takes 1e3 as text: write 1.0e+3)' if isinstance(number, str) else ''
             raise MissionError(f'{where}: {name} must be a finite number, got {shown(number)}{hint}')
-    place = Pose2D(*(float(number) for number in value))
+    place = pose_of(map(float, value), where, MissionError)
     return _facing_travel(previous, place) if len(value) == 2 and previous is not None else place
 
 

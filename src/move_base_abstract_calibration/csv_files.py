@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Mapping, Option
 
 from move_base_abstract.common.csv_files import number_in, open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.common.geometry import Pose2D, pose_of
 
 from .legs import RecordedLeg, Way, way_along
 
@@ -57,7 +57,8 @@ def _read(lines: _Lines, path: str) -> List[RecordedLeg]:
 def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
     values = {name: number_in(row, name, where) for name in _NEEDED}
     _check('duration_s', values['duration_s'], where, values['duration_s'] > 0.0, 'a number > 0 [s]')
-    start, goal = (Pose2D(*(values[name + axis] for axis in ('_x', '_y', '_yaw'))) for name in ('start', 'goal'))
+    start, goal = (pose_of((values[name + axis] for axis in ('_x', '_y', '_yaw')), f'{where}: {name}')
+                   for name in ('start', 'goal'))
     optional = {name: _optional(row, name, where) for name in (
         'plan_m', 'driven_m', 'start_turn_rad', 'end_turn_rad', 'end_x', 'end_y', 'end_yaw', 'goal', 'rescued',
         'stuck_start', 'cancelled', 'min_robot_dist_m', 'plan_clearance_m', 'send_s', 'result_s', 'reverse_s',
@@ -71,7 +72,7 @@ def _leg(row: Mapping[str, str], where: str, number: int) -> RecordedLeg:
     return RecordedLeg(
         row.get('run') or '', row.get('robot') or '', int(optional['goal'] or number), start, goal,
         values['duration_s'], values['state'] == _SUCCEEDED, values['state'] == _ABORTED,
-        _way(optional, start, goal), None if None in end else Pose2D(*end),
+        _way(optional, start, goal), None if None in end else pose_of(end, f'{where}: end'),
         not (optional['rescued'] or optional['stuck_start'] or optional['cancelled'] == 2.0),
         optional['min_robot_dist_m'], optional['plan_clearance_m'], optional['send_s'],
         None if None in stamps else stamps[1] - stamps[0], cut=values['state'] == _PREEMPTED, map=row.get('map') or '',

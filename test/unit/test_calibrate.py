@@ -266,6 +266,7 @@ def test_a_folder_that_is_not_there_is_said_before_the_fit(tmp_path, monkeypatch
     (None, 'cannot be read'), ('a,b\n1,2\n', 'no column start_x'), ('', 'line 1: got no columns'),
     (COLUMNS + '\n0,0,0,1,x,0,9,3\n', "line 2: goal_y: got 'x'"),
     ('# a note\n' + COLUMNS + '\n# another\n0,0,0,1,x,0,9,3\n', "line 4: goal_y: got 'x'"),
+    (COLUMNS + '\n0,0,0,1,1e12,0,9,3\n', 'goal: pose: y must be within'),
     (COLUMNS + '\n0,0,0,1,0,0,0,3\n', 'duration_s: got 0; allowed: a number > 0 [s]'),
     (COLUMNS + ',plan_m\n0,0,0,1,0,0,9,3,-1\n', 'plan_m: got -1; allowed: a number >= 0 [m]'),
     (COLUMNS + ',start_turn_rad\n0,0,0,1,0,0,9,3,-0.5\n', 'start_turn_rad: got -0.5; allowed: a number in 0..pi'),

@@ -91,6 +91,7 @@ def test_a_bad_value_is_named_with_what_is_allowed(describe, tmp_path, key, valu
 
 def test_a_bad_part_of_the_origin_is_named(describe):
     assert 'origin[2]: got None; allowed: a finite number' in refusal(describe, origin='[0, 0, ~]')
+    assert 'm.yaml: origin: pose: x must be within +-1e9 m' in refusal(describe, origin='[1.0e+12, 0, 0]')
 
 
 @pytest.mark.parametrize('text, words', [

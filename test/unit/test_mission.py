@@ -50,6 +50,7 @@ def test_the_mission_that_ships_with_the_package_is_readable():
     (robot_with(goals=[]), 'm.yaml: robots[0].goals: must be a list of at least one goal, got []'),
     (robot_with(goals=[[1, math.nan]]), 'm.yaml: robots[0].goals[0]: y must be a finite number, got nan'),
     (robot_with(start=[math.inf, 0]), 'm.yaml: robots[0].start: x must be a finite number, got inf'),
+    (robot_with(start=[0, -1e12]), 'm.yaml: robots[0].start: pose: y must be within +-1e9 m, got -1000000000000.0'),
     (robot_with(start=[0, 0, True]), 'm.yaml: robots[0].start: yaw must be a finite number, got True'),
     (robot_with(start=['1e3', 0]), 'YAML takes 1e3 as text: write 1.0e+3'),
     (robot_with(start=[1]), 'm.yaml: robots[0].start: must be [x, y] or [x, y, yaw]'),

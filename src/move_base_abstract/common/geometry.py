@@ -3,8 +3,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, Iterable, Optional, Sequence, Tuple, Type
 
+from .errors import ConfigurationError
 from .units import FARTHEST_M
 
 Quaternion = Tuple[float, float, float, float]  # x, y, z, w
@@ -86,6 +87,17 @@ class Pose2D:
 
 #: They set fields of the frozen class, as object.__setattr__ would, but in a third of the time: each goal makes a pose.
 _set_x, _set_y, _set_yaw = (vars(Pose2D)[name].__set__ for name in Pose2D.__slots__)
+
+
+def pose_of(numbers: Iterable[float], where: str, error_type: Type[ConfigurationError] = ConfigurationError) -> Pose2D:
+    """Return the Pose2D of the numbers x, y [m] and perhaps yaw [rad] of a file.
+
+    :raises error_type: if they are none, as Pose2D says; the text begins with ``where``.
+    """
+    try:
+        return Pose2D(*numbers)
+    except ValueError as fault:
+        raise error_type(f'{where}: {fault}') from None
 
 
 def yaw_of_quaternion(quaternion: Sequence[float]) -> float:

@@ -15,7 +15,7 @@ from PIL import Image
 
 from .bounded_yaml import load_yaml_file
 from .errors import ConfigurationError
-from .geometry import Pose2D
+from .geometry import Pose2D, pose_of
 from .input_files import open_input
 from .kinds import as_number, error, similar
 from .map_images import ImageRule, MapMode
@@ -96,7 +96,8 @@ def _choice(raw: Any, path: StrPath, key: str, choices: Mapping[Any, _Chosen], a
 def _origin(raw: Any, path: StrPath) -> Pose2D:
     if not isinstance(raw, list) or len(raw) != 3:
         raise error(f'{path}: origin', raw, '[x, y, yaw] [m, m, rad], the pose of the lower left corner')
-    return Pose2D(*(_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)))
+    numbers = [_number(part, path, 'origin[{}]'.format(index)) for index, part in enumerate(raw)]
+    return pose_of(numbers, '{}: origin'.format(path))
 
 
 def _image_path(raw: Any, path: StrPath) -> str:
