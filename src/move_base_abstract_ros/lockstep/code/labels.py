@@ -9,6 +9,9 @@ from typing import Any, Dict, Optional, Tuple
 
 import rospy
 
+#: why numbers of processes and connections label a run
+NUMBER = 'is another number in another run'
+
 
 class NoticedPlaces:
     """The participant of this process, and the places that have been noticed."""

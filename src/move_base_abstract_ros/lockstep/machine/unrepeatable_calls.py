@@ -34,7 +34,7 @@ from move_base_abstract.lockstep.stable_hash import Address, Numbered, is_hashed
 from ...replacing.replaced import replace
 from ..code.callers import is_own, own_frame
 from ..code.imports import when_imported
-from ..code.labels import told
+from ..code.labels import NUMBER, told
 from . import chance
 from .clocks import is_moment
 from .files import files
@@ -57,14 +57,13 @@ EVENTS = {
 _STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.fork')
 _PROCESSOR = 'says how long the processor has worked, or how busy the machine is'
 _WOKEN = 'has the kernel wake the program by the wall clock'
-_NUMBER = 'is another number in another run'
 _COMPUTER = 'differs from computer to computer'
 _WRITTEN = 'says when a file was written, by the wall clock'
 _THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
 _WATCHES = 'looks at a connection or a file, by the wall clock'
 #: {function: label}; it counts if the program's own code calls it
 CALLS = {
-    'os.getpid': _NUMBER, 'os.getppid': _NUMBER, 'os.getpgrp': _NUMBER, 'threading.get_native_id': _NUMBER,
+    'os.getpid': NUMBER, 'os.getppid': NUMBER, 'os.getpgrp': NUMBER, 'threading.get_native_id': NUMBER,
     'threading.active_count': _THREADS, 'threading.enumerate': _THREADS,
     'socket.gethostname': _COMPUTER, 'socket.getfqdn': _COMPUTER, 'platform.node': _COMPUTER, 'os.uname': _COMPUTER,
     'getpass.getuser': _COMPUTER, 'uuid.getnode': _COMPUTER, 'os.sched_getaffinity': _COMPUTER,
@@ -103,7 +102,7 @@ def install() -> None:
     replace('os.readlink', _reading_link)
     replace('logging.Formatter.__init__', _formatting)
     replace('threading.Thread.ident', lambda of: property(lambda thread: _ident_of(of.fget(thread))))
-    replace('threading.Thread.native_id', lambda of: property(_telling(of.fget, 'threading.Thread.native_id', _NUMBER)))
+    replace('threading.Thread.native_id', lambda of: property(_telling(of.fget, 'threading.Thread.native_id', NUMBER)))
     when_imported('multiprocessing.process', _follow_processes)
     replace('rospy.msproxy.MasterProxy.__getitem__', _asking_parameter)
     replace('rosgraph.masterapi.Master.getParam', _asking_master)
@@ -195,7 +194,7 @@ def _selecting(select_: Callable[..., Any]) -> Callable[..., Any]:
 
 def _follow_processes() -> None:
     for name in ('multiprocessing.process.BaseProcess.ident', 'multiprocessing.process.BaseProcess.pid'):
-        replace(name, lambda of, name=name: property(_telling(of.fget, name, _NUMBER)))
+        replace(name, lambda of, name=name: property(_telling(of.fget, name, NUMBER)))
 
 
 def _reading_link(readlink: Callable[..., Any]) -> Callable[..., Any]:

@@ -19,13 +19,12 @@ from move_base_abstract.lockstep.parameters import in_order
 
 from ...replacing.replaced import replace
 from ..code.callers import is_own, own_frame
-from ..code.labels import told
+from ..code.labels import NUMBER, told
 
 QUESTIONS = ('getPublishedTopics', 'getTopicTypes', 'getSystemState', 'lookupNode', 'lookupService')
 CHANGES = ('setParam', 'deleteParam')
 #: what a node or the ROS master says of its process and its connections
 _NUMBERS = ('getPid', 'getBusStats', 'getBusInfo')
-_NUMBER = 'is another number in another run'
 _PASS_ON = ('xmlrpc.', 'rosgraph.', 'rospy.msproxy', 'rospy.core')
 _MULTICALL = 'system.multicall'
 _METHODS = frozenset((*QUESTIONS, *CHANGES, _MULTICALL, 'getParam', 'hasParam', 'searchParam', 'getParamNames',
@@ -127,7 +126,7 @@ def _tell_of(proxy: Any, method: str, frame: Any) -> None:
     if method in _NUMBERS:
         while frame is not None and (frame.f_globals.get('__name__') or '').startswith(_PASS_ON):
             frame = frame.f_back
-        told.tell(frame if is_own(frame) else None, method, _NUMBER)
+        told.tell(frame if is_own(frame) else None, method, NUMBER)
     elif not _is_of_ros_master(proxy):
         told.tell(own_frame(frame), 'xmlrpc.client.ServerProxy', 'of {}: its answer comes over a connection, at some '
                   'moment of the wall clock'.format(method))
