@@ -284,7 +284,11 @@ class LaunchTest(OwnPackage, unittest.TestCase):
                           ('<launch>\n<group if="$(eval 1/0)"/></launch>',
                            '.launch, line 2: invalid <group> tag: ZeroDivisionError: division by zero\n'),
                           ('<launch>\n\n<param name="x" value="$(eval 1 +)"/></launch>',
-                           '.launch, line 3: invalid <param>')):
+                           '.launch, line 3: invalid <param>'),
+                          ('<launch>\n<param name="x" value="$(eval __import__(1))"/></launch>',
+                           '.launch, line 2: $(eval ...) may not contain double underscore expressions\n'),
+                          ('<launch>\n<param name="x" value="$(env NO_SUCH)"/></launch>',
+                           ".launch, line 2: environment variable 'NO_SUCH' is not set. If")):
             done = self.run_it(self.file(text))
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(why, done.stdout)

@@ -74,12 +74,13 @@ class PlacingLoader(XmlLoader):
         for tag in tags:
             try:
                 default_machine = super()._recurse_load(ros_config, [tag], context, default_machine, is_core, verbose)
-            except (_PlacedError, substitution_args.SubstitutionException, rospkg.ResourceNotFound, OSError):
-                raise
+            except (_PlacedError, substitution_args.ArgException, rospkg.ResourceNotFound, OSError):
+                raise  # the loader catches an ArgException, and names the file that lacks the argument
             except Exception as error:  # $(eval ...) may raise any
                 if isinstance(error, RLException) and not isinstance(error, XmlParseException):
                     raise
-                text = str(error) if isinstance(error, XmlParseException) else 'invalid <{}> tag: {}: {}'.format(
+                is_clear = isinstance(error, (XmlParseException, substitution_args.SubstitutionException))
+                text = str(error) if is_clear else 'invalid <{}> tag: {}: {}'.format(
                     tag.tagName, type(error).__name__, error)
                 raise _PlacedError(self._place_of(tag) + text) from None
         return default_machine
