@@ -2,6 +2,7 @@
 #include <ros/callback_queue_interface.h>
 #include <ros/console.h>
 #include <ros/master.h>
+#include <ros/param.h>
 #include <ros/service.h>
 #include <ros/service_client.h>
 #include <ros/service_manager.h>
@@ -14,8 +15,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "clock/json_text.h"
+#include "clock/number_text.h"
 #include "exchange.h"
 #include "node.h"
 #include "parameters.h"
@@ -154,6 +157,17 @@ bool mayBeOfferedOutside(const std::string& service) {
     }
   }
   return false;
+}
+
+/** @brief Label the run if a node that looks on may have the service, which has not come in time.
+ */
+void tellInVain(const std::string& service) {
+  std::vector<std::string> others;
+  ros::param::get("/time_master/onlookers", others);
+  if (!others.empty()) {
+    node().label("service " + service +
+                 " was waited for in vain; it may be of a node that looks on: " + joined(others));
+  }
 }
 
 /** @brief Count a call of a service. In a loop that does nothing but call, time goes on. */
@@ -309,9 +323,12 @@ bool waitForService(const std::string& name, Duration timeout) {
   }
   wait.is_over = [&service] { return shim::node().membership().isFound(service); };
   shim::node().open("service " + service);
-  const bool is_found = shim::turn().wait(wait) == shim::Woken::kReady;
+  const shim::Woken woken = shim::turn().wait(wait);
   shim::node().close("service " + service);
-  return is_found;
+  if (woken == shim::Woken::kTime) {
+    shim::tellInVain(service);
+  }
+  return woken == shim::Woken::kReady;
 }
 
 }  // namespace service

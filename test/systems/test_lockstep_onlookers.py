@@ -58,9 +58,11 @@ print('heard', rospy.wait_for_message('/said', String, timeout=3).data, rospy.ge
 rospy.wait_for_service('/asked', timeout=3)
 print('got', rospy.ServiceProxy('/asked', Trigger)().message, rospy.get_time(), flush=True)
 """
+CLIENT = '<node pkg="move_base_abstract" type="shim_calls" name="client"><param name="client" value="true"/></node>'
 HELD = """<launch>
   <node pkg="study_of_others" type="serves.py" name="serves" args="{}" respawn="true"/>
   <node pkg="study_of_others" type="hearer.py" name="hearer" output="screen" required="true"/>
+  {}
 </launch>
 """
 MISSING = '<node pkg="study_of_others" type="{}" name="missing"/>'
@@ -136,16 +138,18 @@ class HeldTest(OwnPackage, unittest.TestCase):
     FILES = {'serves.py': SERVES, 'hearer.py': HEARER}
 
     def test_what_an_onlooker_has_at_the_start_is_waited_for(self):
-        said, log, _ = self.launch('a.jsonl', self.write('held.launch', HELD.format('')))
+        said, log, _ = self.launch('a.jsonl', self.write('held.launch', HELD.format('', '')))
         self.assertIn('/serves looks on: it is respawned', said)
         self.assertIn('heard a word 1.0\n', said)
         self.assertIn('got an answer 1.0\n', said)
         self.assertIn('a message on /said came from /serves', str(log.end['not_repeatable_because']))
 
     def test_a_wait_that_ends_without_it_is_a_label(self):
-        said, log, _ = self.launch('a.jsonl', self.write('held.launch', HELD.format('late')), code=3)
+        said, log, _ = self.launch('a.jsonl', self.write('held.launch', HELD.format('late', CLIENT)), code=3)
         self.assertIn('heard a word 1.0\n', said)
         self.assertIn('timeout exceeded while waiting for service /asked', said)
         why = str(log.end['not_repeatable_because'])
-        self.assertIn('time has started without the service /asked', why)
-        self.assertIn('service /asked was waited for in vain; it may be of a node that looks on: /serves', why)
+        self.assertIn('time has started without the service /nobody, the service /asked', why)
+        for node, service in (('hearer', 'asked'), ('client', 'nobody')):
+            self.assertIn(f"'/{node}': service /{service} was waited for in vain; it may be of a node that looks on: "
+                          '/serves', why)
