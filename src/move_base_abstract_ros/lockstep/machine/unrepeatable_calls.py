@@ -125,7 +125,8 @@ def hand_on(clocks: Any) -> None:
     setattr(builtins, ASK, _Asking(clocks).ask)
     setattr(builtins, FILE_TIME, _file_time)
     setattr(builtins, HASHED, _hashed)
-    setattr(builtins, KEPT, lambda what: {_id: _key, threading.get_ident: _key_of_thread}.get(what, what))
+    keepers = {_id: _key, threading.get_ident: _key_of_thread}
+    setattr(builtins, KEPT, lambda what: keepers.get(what, what))
     setattr(builtins, SHOWN, _shown)
     setattr(builtins, SHOWING, lambda what: _showing(what) if what in _TEXT_MAKERS else what)
 
