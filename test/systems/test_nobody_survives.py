@@ -12,7 +12,8 @@ import subprocess
 import time
 import unittest
 
-from own_folder import GUARD, OwnFolder, events_of
+from own_folder import GUARD, MANIFEST, OwnFolder, events_of
+from waiting import children_of
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -42,9 +43,7 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
     def setUp(self):
         """Make a launch file of which nodes take part, look on, ignore signals, and have last words."""
         super().setUp()
-        self.write('own/package.xml', '<package format="2"><name>study_of_others</name><version>1.0.0</version>'
-                   '<description>x</description><maintainer email="a@example.org">a</maintainer><license>x</license>'
-                   '</package>')
+        self.write('own/package.xml', MANIFEST)
         self.write('own/lives.py', LIVES.replace('{words}', self.path('words')), 0o755)
         self.write('own/shell.sh', SHELL, 0o755)
         shutil.copy(os.path.join(HERE, 'unmodified', 'fates.py'), self.path('own'))
@@ -99,11 +98,11 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
         """Return the process id of the guard, of the program, of its ROS master, or of a node."""
         if role == 'guard':
             return guard
-        program = processes_below(guard)[0]
+        program = children_of(guard)[0]
         if role == 'program':
             return program
         words = self.processes()
-        return next(pid for pid in processes_below(program) if (
+        return next(pid for pid in children_of(program) if (
             words[pid] == words[program] if role == 'rosmaster' else '__name:={} '.format(role) in words[pid]))
 
     def test_a_run(self):
@@ -165,9 +164,3 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
             process = self.begin('lockstep_launch', *words)
             process.stdout.read()
             self.assert_nobody()
-
-
-def processes_below(pid):
-    """Return the ids of the children of a process."""
-    with open('/proc/{0}/task/{0}/children'.format(pid)) as stream:
-        return [int(word) for word in stream.read().split()]

@@ -6,16 +6,10 @@ import subprocess
 import unittest
 
 from own_folder import OwnFolder, OwnPackage
-from waiting import wait_for
+from waiting import children_of, wait_for
 
 from move_base_abstract_ros.launching import ros_master
 from move_base_abstract_ros.loopback import find_executable
-
-
-def first_child(pid):
-    """Return the process that ``pid`` has started first, of those that are there."""
-    with open('/proc/{0}/task/{0}/children'.format(pid)) as stream:
-        return int(stream.read().split()[0])
 
 
 class SilentMasterTest(OwnFolder, unittest.TestCase):
@@ -60,7 +54,7 @@ class StoppedMasterTest(OwnPackage, unittest.TestCase):
             with open(self.path('said')) as stream:
                 return text in stream.read()
         wait_for('the nodes', lambda: has_said('never-2]: started'))
-        master = first_child(first_child(run.pid))  # a guard's child is the program, which starts this first
+        master = children_of(children_of(run.pid)[0])[0]  # a guard's child is the program, which starts this first
         os.kill(master, signal.SIGSTOP)
         self.addCleanup(os.kill, master, signal.SIGCONT)
         wait_for('the word', lambda: has_said('has not answered for 3 s; the nodes that start wait for it'))

@@ -22,6 +22,12 @@ def wait_for(what, condition, guard=GUARD):
         time.sleep(0.01)
 
 
+def children_of(pid):
+    """Return the ids of the children of a process that has one thread, in the order in which they were started."""
+    with open('/proc/{0}/task/{0}/children'.format(pid)) as stream:
+        return [int(word) for word in stream.read().split()]
+
+
 def read(child):
     """Return the output of a process so far."""
     with open(child.log_path, errors='replace') as log:
