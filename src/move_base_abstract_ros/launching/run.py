@@ -201,7 +201,7 @@ class Run:
         self._ask_at = time.monotonic() + _ASK_EVERY_S
         if not is_answering(self.uri, 'lockstep', _SILENT_S):
             self._ask_at = math.inf
-            print('lockstep_launch: the ROS master at {} has not answered for {:g} s; the nodes that start wait for it'
+            print('lockstep: the ROS master at {} has not answered for {:g} s; the nodes that start wait for it'
                   .format(self.uri, _SILENT_S), file=sys.stderr, flush=True)
 
     def await_end(self, limit):
