@@ -102,7 +102,8 @@ class OwnNodesTest(unittest.TestCase):
 
 class MapTest(OwnPackage, unittest.TestCase):
     FILES = {'asker.py': ASKER, 'for_nobody': '#!/usr/bin/no_such_interpreter\n',
-             'by_env': '#!/usr/bin/env -S sh -e\n'}
+             'by_env': '#!/usr/bin/env -S sh -e\n', 'by_path': '#!/usr/bin/env own_sh\n',
+             'own_sh': '#!/bin/sh\n'}
 
     def _run(self, *words, own='', more=''):
         path = self.write('mapped.launch', MAPPED.format(own, more))
@@ -131,7 +132,10 @@ class MapTest(OwnPackage, unittest.TestCase):
             self.assertIn('/missing crashed: it could not be started', said)
             self.assertEqual(end['not_repeatable_because'], ["'/missing' could not be started"])
             self.assertFalse(end['repeatable'])
-        self.assertEqual(self._run(more=MISSING.format('by_env'))[1]['not_repeatable_because'], [])
+        own_path = MISSING.format('by_path').replace('/>', '><env name="PATH" value="{}:$(env PATH)"/></node>'.format(
+            self.folder))
+        for more in (MISSING.format('by_env'), own_path):
+            self.assertEqual(self._run(more=more)[1]['not_repeatable_because'], [])
 
 
 class HeldTest(OwnPackage, unittest.TestCase):

@@ -202,7 +202,7 @@ def command_of(node):
     """
     words = create_local_process_args(node, node.machine)
     interpreter = programs.missing_interpreter(words[0])
-    if interpreter:
+    if interpreter and 'PATH' not in dict(node.env_args):
         raise NodeParamsException('{} is a program for {}, which is not here'.format(words[0], interpreter))
     return words
 
