@@ -23,6 +23,7 @@ COMPLETE, FAILED = 'complete', 'failed'  # status
 IDENTICAL, DIFFERENT = 'identical', 'different'  # verified
 Number = Union[int, float, None]
 T = TypeVar('T')
+_IF_ANY = ('waits', 'error_lines')
 _ID = re.compile(r'[A-Za-z0-9_][A-Za-z0-9._-]{0,199}\Z')
 _KINDS = {dict: 'a mapping', list: 'a list', str: 'a text', int: 'a whole number', bool: 'true or false',
           float: 'a number', type(None): 'null'}
@@ -93,6 +94,7 @@ class Result(Numbered):
     open_goals: Optional[int] = None
     crashes: List[str] = field(default_factory=list)
     ends: List[Any] = field(default_factory=list)
+    error_lines: List[Any] = field(default_factory=list)  # of its participants; written only if there are any
     properties: Dict[str, Any] = field(default_factory=dict)
     made_of: Optional[str] = None
     program: Optional[str] = None
@@ -107,7 +109,7 @@ class Result(Numbered):
     @property
     def written(self) -> Dict[str, Any]:
         """The mapping that is written into the file."""
-        return {'format': FORMAT, **{name: value for name, value in vars(self).items() if name != 'waits' or value}}
+        return {'format': FORMAT, **{name: value for name, value in vars(self).items() if name not in _IF_ANY or value}}
 
     def judged_by(self, primary: Any) -> Result:
         """Return this Result, as failed if it has no value of the experiment's primary metric (if it names one).

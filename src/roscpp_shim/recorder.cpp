@@ -18,8 +18,6 @@
 namespace move_base_abstract::shim {
 namespace {
 
-const char* const kNotesVariable = "MOVE_BASE_ABSTRACT_BAGS";
-
 std::atomic<bool> records{false};
 
 /** @return whether the command line has the option --duration, which may be shortened. */
@@ -56,14 +54,15 @@ bool isRecordersLook(const void* caller) {
 bool onlyRecords() { return records; }
 
 void noteBag(const char* path, const char* how, const void* caller) {
-  const char* const notes = std::getenv(kNotesVariable);
-  if (notes == nullptr || path == nullptr || std::strpbrk(how, "wa+") == nullptr ||
+  const char* const folder = std::getenv(kNotesVariable);
+  if (folder == nullptr || path == nullptr || std::strpbrk(how, "wa+") == nullptr ||
       !isIn(caller, {"/librosbag_storage.so"})) {
     return;
   }
   const Inside inside;
   const std::string line = ros::this_node::getName() + '\0' + absolute(path) + '\0';
-  const int file = ::open(notes, O_WRONLY | O_APPEND | O_CLOEXEC);
+  const std::string notes = std::string(folder) + "/bags";
+  const int file = ::open(notes.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   if (file >= 0) {
     // If this fails, the bag is not noted, and so not called covered.
     [[maybe_unused]] const ssize_t written = ::write(file, line.data(), line.size());

@@ -4,6 +4,9 @@
 
 namespace move_base_abstract::shim {
 
+/** The variable that names the folder of notes for the program that started this one. */
+constexpr const char* kNotesVariable = "MOVE_BASE_ABSTRACT_NOTES";
+
 /**
  * @return whether @p caller is the recorder's thread that waits for messages. Each new message
  * wakes it, so its time-outs need no round. False if the recording has a time limit.
@@ -14,8 +17,7 @@ bool isRecordersLook(const void* caller);
 bool onlyRecords();
 
 /** @brief Note that a file is opened with the mode @p how of fopen(). If it is a bag that is
- * written, its path goes to the file that MOVE_BASE_ABSTRACT_BAGS names, for the program that
- * started this one. */
+ * written, its path goes to the notes. */
 void noteBag(const char* path, const char* how, const void* caller);
 
 }  // namespace move_base_abstract::shim

@@ -1,5 +1,6 @@
 // Callbacks and ros::spin: it answers each message of "ticks" on "heard" with the time and the
-// text. With ~work [s] the callback sleeps for that long, as if it drove something.
+// text. With ~work [s] the callback sleeps for that long, as if it drove something. What begins
+// with "error" is logged as one.
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
@@ -16,6 +17,9 @@ int nodeMain(int argc, char** argv) {
       node.subscribe<std_msgs::String>("ticks", 10, [&](const std_msgs::String::ConstPtr& message) {
         if (work > 0) {
           ros::Duration(work).sleep();
+        }
+        if (message->data.rfind("error", 0) == 0) {
+          ROS_ERROR("got the %s", message->data.c_str());
         }
         teller.tell("heard " + message->data);
       });

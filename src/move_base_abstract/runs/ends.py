@@ -148,7 +148,7 @@ def _end_of(process: Process, log: Log) -> End:
     is_early = time_ns is not None if process.takes_part and log.is_whole else process.was_early
     caught = log.uncaught.get(names[0], []) if len(names) == 1 else []
     # For a participant only the log counts: at the end of a run its threads may print exceptions that mean nothing.
-    uncaught = [text for _, text in caught] or [_plain(line) for line in process.shown if not process.takes_part]
+    uncaught = [text for _, text in caught] or [plain_line(line) for line in process.shown if not process.takes_part]
     found = _unexpected(process, died) if is_early else None
     if process.node == TIME_MASTER and log.is_whole and process.code == 1:
         found = None  # its exit code 1 says that the run did not end as wished
@@ -211,9 +211,9 @@ def shows_uncaught(line: str) -> bool:
 
 def plain_lines(process: Process) -> Tuple[str, ...]:
     """Return the last lines that a Process has printed, without colours, wall times and addresses."""
-    return tuple(_plain(line) for line in process.printed)
+    return tuple(plain_line(line) for line in process.printed)
 
 
-def _plain(line: str) -> str:
+def plain_line(line: str) -> str:
     """Return a line without colours, wall times and addresses, which differ from run to run; at most 500 characters."""
     return _NOISE.sub('', line).rstrip()[:_LONGEST_LINE]

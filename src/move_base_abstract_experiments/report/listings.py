@@ -186,6 +186,18 @@ def failures(experiment: Experiment) -> Optional[Table]:
     return listing('Trials by the first line of their error', header, rows, 'trials.csv', is_open=True)
 
 
+def error_lines(experiment: Experiment) -> Optional[Table]:
+    """Return the table of the ERROR and FATAL lines of participants, or None if there are none."""
+    groups: Dict[Tuple[str, str], List[Trial]] = {}
+    for trial in experiment.trials:
+        for line in trial.error_lines:
+            groups.setdefault(line, []).append(trial)
+    rows: List[Row] = [(node, first, whole(len(trials)), Cell(trials[0].id, notable_trials.event_log(
+        experiment, trials[0]))) for (node, first), trials in sorted(groups.items(), key=lambda one: -len(one[1]))]
+    return listing('ERROR and FATAL lines', ('participant', 'its first such line', 'trials', 'first of them'), rows,
+                   'trials/*/trial.json')
+
+
 def labels(experiment: Experiment) -> Optional[Table]:
     """Return the table of the reasons why trials may not be repeatable, or None if there are none."""
     counts: Dict[str, int] = {}

@@ -51,6 +51,7 @@ class Trial:
     ended_by: str = ''  # see endings; '': not recorded
     kept: str = ''  # the trial's program, if it is not the present one and the trial was kept nevertheless
     open_goals: Optional[int] = None  # the number of goals that had not ended at the trial's end; None: not recorded
+    error_lines: Tuple[Tuple[str, str], ...] = ()  # (participant, the first ERROR or FATAL line)
     properties: Any = None  # the 'properties' of trial.json, unchecked; sections.properties reads them
 
 
@@ -196,6 +197,8 @@ def _trial(folder: Path, plan: records.Plan, planned: records.Planned, configura
 def _told(base: Dict[str, Any], told: records.Result) -> Trial:
     """Return the Trial of a Result."""
     base.update(attempts=told.attempts, properties=told.properties)
+    base['error_lines'] = tuple((sys.intern(shown_text(str(one.get('node')))), sys.intern(shown_text(str(
+        one.get('first'))))) for one in told.error_lines if isinstance(one, dict))
     base['ended_by'] = sys.intern(shown_text(told.ended_by or ''))
     error = next(iter((told.error or '').strip().splitlines()), '')[:1000]
     if not told.is_complete:

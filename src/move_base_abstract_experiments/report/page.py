@@ -121,7 +121,7 @@ def _page(analysis: Analysis, added: Sequence[Section],
         ended=_by_metric(how_ended.findings(experiment, *analysis.endings)),
         ended_tables=there((
             how_ended.table(experiment), *how_ended.tables(experiment, *analysis.endings),
-            listings.failures(experiment))),
+            listings.failures(experiment), listings.error_lines(experiment))),
         results=_by_metric(each for each in told if each.is_result or each.metric not in with_result),
         no_results=_by_metric(each for each in told if not each.is_result and each.metric in with_result),
         other_results=_by_metric(others),

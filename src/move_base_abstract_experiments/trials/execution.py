@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
-from move_base_abstract.runs import ends, event_log, run_difference
+from move_base_abstract.runs import ends, error_lines, event_log, run_difference
 from move_base_abstract.runs.calls import CallError, DeathError
 
 from ..description import ingredients, launch_files, plan, worker_files
@@ -106,6 +106,7 @@ def _run_first(job: Job, folders: Folders, result: Result) -> None:
     begin = time.monotonic()
     ended = run.run(job, folders)
     result.wall_seconds = round(time.monotonic() - begin, 6)
+    result.error_lines = [one.told for one in error_lines.noted(folders.own)]
     _look_at_properties(job, result, ended.processes, folders)
     if ended.problem is not None:
         _judge(job, result, ended.processes, ends.read_log(folders.log), ended.problem)

@@ -54,7 +54,7 @@ def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> En
         found = started.end()
     finally:
         processes.end_all_children()
-    bags.add_to_log(folders.log, bags.written(this.path(run_plan.BAG_NOTES)))
+    bags.add_to_log(folders.log, bags.written(this.path(bags.NOTES)))
     error = None
     if problem is not None:
         is_late = problem.kind == launching.LIMIT

@@ -8,6 +8,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from move_base_abstract.common.options import parameters_of as parameters_of_options
 from move_base_abstract.radio import network
+from move_base_abstract.runs import error_lines
 from move_base_abstract_ros.launching.conditions import Condition
 from move_base_abstract_ros.loopback import PACKAGE
 
@@ -20,7 +21,6 @@ from .termination import END_NODE
 
 LOG_MOTION, PARTICIPANTS = '/log_motion', '/time_master/participants'
 RECORDER_NODE = '/experiment_recorder'
-BAG_NOTES = 'bags'  # the file in which nodes note the bags that they write
 DECISIONS = 'chaos_decisions.jsonl'  # the file of the decisions of chaos, if record.files names it
 START_NOTE = 'started'  # the file that the time master writes when time starts
 
@@ -96,18 +96,16 @@ def parameters_of(run: Run, start_s: float) -> Dict[str, Any]:
 
 
 def _launch_options(config: Any, run: Run) -> Any:
-    from move_base_abstract_ros.launching import bags, plan
+    from move_base_abstract_ros.launching import plan
     condition, start = run.condition, config.params.get('/time_master/start_time')
     own_environment: Tuple[Tuple[str, str], ...] = ()
-    with open(run.path(BAG_NOTES), 'xb'):
-        pass
     if condition is not None and '--own-hash-seed' in condition.options:
         seed = condition.options[condition.options.index('--own-hash-seed') + 1]
         own_environment = (('PYTHONHASHSEED', seed),)
     return plan.launch_options(
         run.job.trial.run_options, parameters_of(run, 1.0 if start is None else start.value),
         is_reversed=run.is_reversed, own_environment=own_environment,
-        environment=((bags.VARIABLE, run.path(BAG_NOTES)), *(condition.environment if condition is not None else ())))
+        environment=((error_lines.VARIABLE, run.folders.own), *(condition.environment if condition else ())))
 
 
 def _with_participants(config: Any, experiment: Experiment, options: Any) -> Any:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs import event_log
 
-VARIABLE = 'MOVE_BASE_ABSTRACT_BAGS'
+NOTES = 'bags'  # the file in the folder of error_lines.VARIABLE where participants note the bags that they write
 _ACTIVE = '.active'  # rosbag's name for a bag that is not closed
 LITTLE_SPACE = 'less than 1 GiB is free where it is: rosbag may have stopped recording'
 _BLOCK = 1 << 20  # bytes
@@ -34,6 +34,8 @@ class Bag(NamedTuple):
 
 def written(path):
     """Return the Bags that the file at ``path`` notes and that still exist, by node and in the order of writing."""
+    if not os.path.exists(path):
+        return []
     with open(path, 'rb') as stream:
         words = [os.fsdecode(word) for word in stream.read().split(b'\0')]
     found = dict.fromkeys(zip(words[0::2], words[1::2]))

@@ -6,6 +6,7 @@ the node was told to end, or when the run is over, is no event.
 """
 from __future__ import annotations
 
+import logging
 import os
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Callable
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Callable
 import rospy
 
 from move_base_abstract.lockstep.task import TurnLost
+from move_base_abstract.runs import error_lines
 from move_base_abstract.runs.failures import UNCAUGHT, words_of
 
 from ...replacing.replaced import replace
@@ -35,6 +37,29 @@ def install(participant: Participant) -> None:
                 lambda register, what=what: _registering(register, "an action's {} callback".format(what)))
     replace('threading.excepthook', _in_threads)
     replace('sys.unraisablehook', _ignored)
+
+
+class _ErrorLines(logging.Handler):
+    """Notes the ERROR and FATAL lines of a participant's turns, for the program that has started the run."""
+
+    def __init__(self, participant: Participant) -> None:
+        super().__init__(logging.ERROR)
+        self._participant = participant
+
+    def createLock(self) -> None:  # noqa: N802 - logging's name
+        """Have none: one thread has the turn."""
+        self.lock = None
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Note the line."""
+        participant = self._participant
+        if participant.scheduler.is_mine() and not participant.is_told_to_end:
+            error_lines.note(participant.members.own_name, record.levelno > logging.ERROR, record.getMessage())
+
+
+def note_lines(participant: Participant) -> None:
+    """Note ERROR and FATAL lines from now on. Call this after ``rospy.init_node``, which makes all log settings."""
+    logging.getLogger('rosout').addHandler(_ErrorLines(participant))
 
 
 def tell(error: Any, where: str) -> None:

@@ -119,6 +119,7 @@ def _follow_forks(joining: Participant) -> None:
 
 def node_is_there(joining: Participant) -> None:
     """Finish :func:`join` when ``rospy.init_node`` has returned; this is its second half."""
+    uncaught.note_lines(joining)
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
         clock.unregister()

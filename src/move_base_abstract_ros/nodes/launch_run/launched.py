@@ -18,7 +18,7 @@ from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
-from move_base_abstract.runs import ends
+from move_base_abstract.runs import ends, error_lines
 
 from ...launching import command_line, warm_nodes
 from ...process import guard
@@ -33,6 +33,7 @@ class Launched(NamedTuple):
     """A run that is over. ``code``: the exit code; ``bags``: bags.Bag of each; ``crashes``: in words.
 
     ``fleets``: [name, why it cannot be split into several processes, or ''] of each fleet that is one process.
+    ``lines``: ErrorLines.
     """
 
     code: int
@@ -40,6 +41,7 @@ class Launched(NamedTuple):
     crashes: list = []
     fleets: list = []
     judged: Judgement = Judgement()
+    lines: list = []
 
 
 def launch(parser, options):
@@ -145,18 +147,16 @@ def _run_in(own, folder, options, files):
     from roslaunch.core import Param, generate_run_id
     from roslaunch.rlutil import get_or_generate_uuid
 
-    from ...launching import bags, look_ups, plan
+    from ...launching import look_ups, plan
     look_ups.remember()
     if not options.use_master:
         os.environ.update(ROS_IP='127.0.0.1')
         os.environ.pop('ROS_HOSTNAME', None)
         plan.name_anonymous_ones_alike()
-    asked_run, notes, options.notes = options.run, os.path.join(own, 'bags'), os.path.abspath(options.notes or own)
-    with open(notes, 'xb'):
-        pass
+    asked_run, options.notes = options.run, os.path.abspath(options.notes or own)
     asked = plan.launch_options(
         asked_run, _parameters_of(options), deputy=options.deputy, parts=options.parts,
-        environment=((bags.VARIABLE, notes), *((('TMPDIR', folder),) if folder else ())),
+        environment=((error_lines.VARIABLE, own), *((('TMPDIR', folder),) if folder else ())),
         own_environment=() if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),),
         is_reversed=options.start_order == 'reversed')
     config = plan.read(files, asked_run.tolerant or asked_run.adopt)
@@ -172,7 +172,8 @@ def _run_in(own, folder, options, files):
     config.params['/run_id'] = Param('/run_id', run_id)
     log = plan.log_of_run(made, own, options.check or asked_run.properties)
     code, found = _carry_out(made, log, own, run_id, options)
-    return _conclude(made, Launched(code, _bags(notes, log)), ends.judge(found, ends.read_log(log)), log, options)
+    launched = Launched(code, _bags(own, log), lines=error_lines.noted(own))
+    return _conclude(made, launched, ends.judge(found, ends.read_log(log)), log, options)
 
 
 def _parameters_of(options):
@@ -259,6 +260,8 @@ def _conclude(made, launched, found, log, options):
         print('lockstep_launch: crash: ' + shown_text(end.words), file=sys.stderr)
         for line in end.last_lines:
             print('    ' + shown_text(line), file=sys.stderr)
+    for one in launched.lines:
+        print('lockstep_launch: ' + shown_text(one.words), file=sys.stderr)
     for one in judged.broken:
         print('lockstep_launch: broken: ' + shown_text(one.words()), file=sys.stderr)
     for node, text in judged.never_held() if names else ():
@@ -278,10 +281,10 @@ def _fleets(made):
     return [[shown_text(name), shown_text(why_one_process(params, name))] for name in made.fleets]
 
 
-def _bags(notes, log):
+def _bags(own, log):
     """Return the bags of the run; print them, and write them into the event log."""
     from ...launching import bags
-    found = bags.written(notes)
+    found = bags.written(os.path.join(own, bags.NOTES))
     for line in bags.lines(found):
         say(line)
     bags.add_to_log(log, found)
