@@ -28,8 +28,10 @@ Sees sees(const void* caller) {
   if (cell(kIsFollowed) == 0 || !isFollowed(caller)) {
     return Sees::kMachine;
   }
-  return t_epoch == cell(kEpoch) ? Sees::kRun : Sees::kStray;
+  return hasTurns() ? Sees::kRun : Sees::kStray;
 }
+
+bool hasTurns() { return t_epoch == cell(kEpoch); }
 
 bool sleepInPython(Nanoseconds duration) {
   Sleep* const function = sleep_in_python.load();

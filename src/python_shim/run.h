@@ -41,6 +41,10 @@ enum class Sees {
 /** @return what the code at @p caller sees in the calling thread. For any thread, at any time. */
 Sees sees(const void* caller);
 
+/** @return whether the calling thread takes turns, so that what it does has one order in each run.
+ */
+bool hasTurns();
+
 /** @brief Make Python sleep for @p duration [ns], as time.sleep() does; if it is negative, let
  * others go on. Only for a thread that sees kRun, and if mayCall().
  * @return false if the sleep was interrupted. */

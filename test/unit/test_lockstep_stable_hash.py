@@ -148,6 +148,7 @@ def test_slots_leave_no_room_for_a_number():
     assert not hasattr(kind(), '__dict__') and is_hashed_by_address(kind())
     one = kind()
     assert hash(one) == object.__hash__(one)
+    assert repr(one) == object.__repr__(one) and f'at {id(one):#x}' in repr(one)
     assert not is_hashed_by_address(made(kind)())
     assert not is_hashed_by_address(made(__slots__=('x', '__weakref__'))())
 

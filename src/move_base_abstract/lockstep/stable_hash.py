@@ -8,7 +8,7 @@ import sys
 import types
 import weakref
 from functools import lru_cache
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Callable, Dict, Mapping, Tuple
 
 _HASHED_BY_ADDRESS: Any = object.__hash__
 _METHODS = (types.MethodType, types.BuiltinMethodType, types.MethodWrapperType)
@@ -29,11 +29,23 @@ class Numbered:
         return entry.number if entry is not None else _number(self)
 
     def __repr__(self) -> str:
+        if not type(self).__weakrefoffset__:
+            return object.__repr__(self)  # its address, which is no number of ours
         return '<{0.__module__}.{0.__qualname__} object at 0x{1:012x}>'.format(type(self), Numbered.__hash__(self))
 
 
 class Address(int):
     """The address of an object, which a program keeps as a key. It is hashed as any number."""
+
+
+class _Placed:
+    """Which of the objects that Python hashes by their addresses have the same hash in each run; by default none."""
+
+    def __init__(self) -> None:
+        self.knows: Callable[[Any], bool] = lambda _one: False
+
+
+placed = _Placed()
 
 
 class _Number(weakref.ref):  # type: ignore[type-arg]
@@ -102,7 +114,7 @@ def is_hashed_by_address(one: Any) -> bool:
     kind: Any = type(one)
     by: Any = kind.__hash__
     if by is Numbered.__hash__:
-        return not kind.__weakrefoffset__
+        return not kind.__weakrefoffset__ and not placed.knows(one)
     if by in (tuple.__hash__, frozenset.__hash__):
         return any(is_hashed_by_address(part) for part in one)
     if by is float.__hash__:
@@ -111,7 +123,10 @@ def is_hashed_by_address(one: Any) -> bool:
         return True
     if isinstance(one, weakref.ref):
         return one() is None or is_hashed_by_address(one())
-    return by is _HASHED_BY_ADDRESS or kind in _METHODS or any(
+    if by is _HASHED_BY_ADDRESS or kind is types.MethodType:
+        return not placed.knows(one) and not (
+            kind is types.MethodType and placed.knows(one.__self__) and placed.knows(one.__func__))
+    return kind in _METHODS or any(
         is_hashed_by_address(getattr(one, name)) for name in _hashed_fields(kind))
 
 

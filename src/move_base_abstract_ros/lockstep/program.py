@@ -16,7 +16,7 @@ from ..replacing.replaced import replace
 from .code import objects, own_code, turns
 from .code.labels import told
 from .exchange import access
-from .machine import chance, clocks, identity, sqlite, unrepeatable_calls
+from .machine import arenas, chance, clocks, identity, sqlite, unrepeatable_calls
 from .machine.files import files
 from .machine.native import native
 from .participation import early, finish, garbage, joining
@@ -76,6 +76,7 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     garbage.install()
     threads.watch_start(before_node.take_part)
     native.install(start, seen, sleep)
+    arenas.install(os.environ)
 
 
 def _has_master() -> bool:
@@ -122,7 +123,7 @@ class _Joining:
     def _follow(self, joined: Optional[Participant]) -> None:
         if joined is not None and self._is_strict:
             joined.be_strict()
-        for follower in (told, native, files):
+        for follower in (told, native, files, arenas):
             follower.follow(joined)
         if joined is not None and not address_layout.is_as_wanted(os.environ):
             joined.label(address_layout.LABEL)

@@ -35,7 +35,7 @@ from ...replacing.replaced import replace
 from ..code.callers import is_own, own_frame
 from ..code.imports import when_imported
 from ..code.labels import NUMBER, told
-from . import chance
+from . import arenas, chance
 from .clocks import is_moment
 from .files import files
 from .native import native
@@ -275,6 +275,8 @@ class _Asking:
         kind = type(what)
         if kind is types.BuiltinFunctionType:
             if what is _id:
+                if arenas.are_on():
+                    return _id_of
                 told.tell(sys._getframe(1), 'id', _ADDRESS)
             elif what is threading.get_ident:
                 told.tell(sys._getframe(1), 'threading.get_ident', _ADDRESS)
@@ -283,7 +285,10 @@ class _Asking:
             elif is_moment(what):
                 return self._clocks.moment(what.__self__, what.__name__, sys._getframe(1))
         elif kind in _HASHES and what.__qualname__ == 'object.__hash__':
-            told.tell(sys._getframe(1), 'hash', _ADDRESS)
+            if arenas.are_on() and kind is types.WrapperDescriptorType:
+                return _address_of
+            if not arenas.holds(_id(getattr(what, '__self__', None))):
+                told.tell(sys._getframe(1), 'hash', _ADDRESS)
         elif kind is type and what.__name__ == 'datetime64' and not native.is_there:  # datetime64('now') is the present
             told.tell(sys._getframe(1), 'numpy.datetime64', 'reads the wall clock')
         return what
@@ -332,8 +337,21 @@ for _name in ('lt', 'le', 'gt', 'ge', 'repr', 'format', 'add', 'radd', 'sub', 'r
     setattr(_Key, '__{}__'.format(_name), _telling_key('__{}__'.format(_name)))
 
 
+def _holding(function: Callable[[Any], int], name: str) -> Callable[[Any], int]:
+    """Return ``id`` or ``object.__hash__`` that labels the run if the object lies elsewhere in the next run."""
+    def call(one: Any, /) -> int:
+        if not arenas.holds(_id(one)):
+            told.tell(own_frame(sys._getframe(1)), name, _ADDRESS)
+        return function(one)
+    return call
+
+
+_id_of, _address_of = _holding(_id, 'id'), _holding(object.__hash__, 'hash')
+
+
 def _key(one: Any, /) -> int:
-    return _Key(_id(one))
+    address = _id(one)
+    return address if arenas.holds(address) else _Key(address)
 
 
 def _key_of_thread() -> int:
@@ -345,12 +363,13 @@ def _ident_of(ident: Optional[int]) -> Optional[int]:
 
 
 #: an address in a text of an object, and the number of a thread in its text; Numbered shows numbers that begin with 0
-_SHOWN_ADDRESS = re.compile(r' at 0x[1-9a-f]|, started (daemon )?[0-9]+\)>')
+_SHOWN_ADDRESS = re.compile(r' at (0x[1-9a-f][0-9a-f]*)|, started (?:daemon )?[0-9]+\)>')
 _TEXT_MAKERS = (ascii, repr, str)
 
 
 def _shown(text: Any, how: str, frame: Any = None) -> Any:
-    if type(text) is str and (' at 0x' in text or ', started ' in text) and _SHOWN_ADDRESS.search(text):
+    if type(text) is str and (' at 0x' in text or ', started ' in text) and any(
+            not address or not arenas.holds(int(address, 16)) for address in _SHOWN_ADDRESS.findall(text)):
         told.tell(frame or sys._getframe(1), how, _ADDRESS)
     return text
 

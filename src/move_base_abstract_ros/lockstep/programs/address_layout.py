@@ -1,7 +1,8 @@
 """A program's memory lies at the same addresses in each run, so that an order by addresses is the same, too.
 
 Otherwise the system chooses the addresses at random for each process. The environment variable
-``MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT`` chooses between the two: ``fixed`` or ``random``.
+``MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT`` chooses between the two: ``fixed`` or ``random``. ``MOVE_BASE_ABSTRACT_ARENAS``,
+``on`` or ``off`` (the default), says whether Python's objects lie in the order in which they are made (machine/arenas).
 """
 from __future__ import annotations
 
@@ -12,6 +13,8 @@ from move_base_abstract.common.shown import shown
 
 VARIABLE = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 FIXED, RANDOM = 'fixed', 'random'
+ARENAS = 'MOVE_BASE_ABSTRACT_ARENAS'
+_OFF, _ON = 'off', 'on'
 #: the label of a run if the system does not allow a fixed layout
 LABEL = ('the system does not let addresses be the same in each run (in a container: docker run --security-opt '
          'seccomp=unconfined; or set {}={} if nothing depends on them)'.format(VARIABLE, RANDOM))
@@ -25,11 +28,23 @@ def wanted(environment: Any) -> str:
 
     :raises ValueError: if the variable has another value.
     """
-    layout = environment.get(VARIABLE, FIXED)
-    if layout not in (FIXED, RANDOM):
-        raise ValueError("the environment's {} must be '{}' or '{}', got {}".format(VARIABLE, FIXED, RANDOM,
-                                                                                      shown(layout)))
-    return layout
+    return _one_of(environment, VARIABLE, FIXED, RANDOM)
+
+
+def wants_arenas(environment: Any) -> bool:
+    """Return whether the environment asks for arenas.
+
+    :raises ValueError: if the variable has another value than ``on`` and ``off``.
+    """
+    return _one_of(environment, ARENAS, _OFF, _ON) == _ON
+
+
+def _one_of(environment: Any, variable: str, default: str, other: str) -> str:
+    value: str = environment.get(variable, default)
+    if value not in (default, other):
+        raise ValueError("the environment's {} must be '{}' or '{}', got {}".format(variable, default, other,
+                                                                                      shown(value)))
+    return value
 
 
 def choose(environment: Any) -> bool:
@@ -37,6 +52,7 @@ def choose(environment: Any) -> bool:
 
     :raises ValueError: as :func:`wanted` does.
     """
+    wants_arenas(environment)  # an error is one at once
     layout, now = wanted(environment), _personality(_ASK)
     new = now | _NO_RANDOMIZE if layout == FIXED else now & ~_NO_RANDOMIZE
     return now >= 0 and new != now and _personality(new) >= 0

@@ -27,3 +27,9 @@ class Keeper:
         """Return what depends on hashes."""
         return ([entry.of.number for entry in self.entries], [one.number for one in self.members],
                 [hash(place) % 7 for place in self.places], [str(place) for place in self.places])
+
+
+def names(members):
+    """Return the names of members of a set, or of what their methods belong to, in the order of the set."""
+    members = [getattr(one, '__self__', one) for one in members]
+    return [getattr(one, 'name', None) or one.action_client.ns for one in members]
