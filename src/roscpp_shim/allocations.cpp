@@ -106,14 +106,13 @@ bool isLoader(const void* caller) {
   return address >= loader.begin && address < loader.end;
 }
 
-/** @return a block of the ordered heap; none if the calling thread does not have the turn. */
-OrderedHeap::Block inOrder(std::size_t size, std::size_t alignment, const void* caller) {
-  return isLoader(caller) || !Turn::allocatesInOrder() ? OrderedHeap::Block()
-                                                       : heap.allocate(size, alignment);
+/** @return a block of the ordered heap; null if the calling thread does not have the turn. */
+void* inOrder(std::size_t size, std::size_t alignment, const void* caller) {
+  return isLoader(caller) || !Turn::allocatesInOrder() ? nullptr : heap.allocate(size, alignment);
 }
 
 void* allocate(std::size_t size, const void* caller) {
-  if (void* const address = inOrder(size, kGrain, caller).address) {
+  if (void* const address = inOrder(size, kGrain, caller)) {
     return address;
   }
   const Behind* const libc = behind();
@@ -121,8 +120,8 @@ void* allocate(std::size_t size, const void* caller) {
 }
 
 void* allocateZeros(std::size_t size, const void* caller) {
-  if (const auto block = inOrder(size, kGrain, caller); block.address != nullptr) {
-    return block.is_zero ? block.address : memset(block.address, 0, size);
+  if (void* const address = inOrder(size, kGrain, caller)) {
+    return address;
   }
   const Behind* const libc = behind();
   return libc == nullptr ? beginning.allocate(size) : libc->calloc(1, size);
@@ -132,7 +131,7 @@ bool isPowerOfTwo(std::size_t number) { return number != 0 && (number & (number 
 
 void* allocateAligned(std::size_t alignment, std::size_t size, const void* caller) {
   if (isPowerOfTwo(alignment)) {
-    if (void* const address = inOrder(size, alignment, caller).address) {
+    if (void* const address = inOrder(size, alignment, caller)) {
       return address;
     }
   }

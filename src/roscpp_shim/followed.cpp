@@ -1,5 +1,6 @@
 #include "followed.h"
 
+#include <elf.h>
 #include <execinfo.h>
 #include <sys/personality.h>
 #include <sys/syscall.h>
@@ -18,6 +19,7 @@
 #include <utility>
 
 #include "allocations.h"
+#include "clocks.h"
 #include "launcher.h"
 #include "node.h"
 #include "roscpp_shim/machine/kernel.h"
@@ -46,6 +48,7 @@ struct Noticed {
   PlainMutex mutex;
   std::map<std::string, std::string> texts;  // by what was noticed
   std::set<std::pair<wire::NoteKind, std::string>> files;
+  std::map<std::string, Nanoseconds> written;  // by the file's path: when
   bool has_joined = false;
 };
 
@@ -114,11 +117,11 @@ std::string placeOf(const void* caller) {
   if (*file == '\0') {
     return "code without a file";
   }
-  const char* const slash = std::strrchr(file, '/');
-  const auto offset = static_cast<const char*>(caller) - static_cast<const char*>(info.dli_fbase);
+  const auto* const head = static_cast<const Elf64_Ehdr*>(info.dli_fbase);
+  const auto base = head->e_type == ET_DYN ? reinterpret_cast<std::uintptr_t>(info.dli_fbase) : 0;
   char text[32];
-  std::snprintf(text, sizeof text, "+%#lx", static_cast<unsigned long>(offset - 1));
-  return (slash == nullptr ? file : slash + 1) + std::string(text);
+  std::snprintf(text, sizeof text, "+%#lx", reinterpret_cast<std::uintptr_t>(caller) - base - 1);
+  return file + std::string(text);
 }
 
 }  // namespace
@@ -198,12 +201,22 @@ void tellWhatWasNoticed() {
 void noteFile(const std::string& path, bool reads, bool writes) {
   const Inside inside;
   const Lock lock(noticed().mutex);
+  if (writes) {
+    noticed().written[path] = seenTime(CLOCK_REALTIME);
+  }
   for (const auto what : {wire::NoteKind::kReads, wire::NoteKind::kWrites}) {
     const bool is_so = what == wire::NoteKind::kReads ? reads : writes;
     if (is_so && noticed().files.emplace(what, path).second && noticed().has_joined) {
       node().append(wire::Note{what, path});
     }
   }
+}
+
+std::optional<std::int64_t> whenWritten(const std::string& path) {
+  const Inside inside;
+  const Lock lock(noticed().mutex);
+  const auto at = noticed().written.find(path);
+  return at == noticed().written.end() ? std::nullopt : std::make_optional(at->second);
 }
 
 void tell(const std::string& what, const void* caller) {

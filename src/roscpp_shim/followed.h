@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <string>
 
 #include "libc/looked_up.h"
@@ -50,6 +51,9 @@ void tell(const std::string& what, const void* caller);
 /** @brief Report to the time master that the program has opened a file; @p path is its full path.
  */
 void noteFile(const std::string& path, bool reads, bool writes);
+/** @return the date at which the program has opened the file last to write it, by the clock that it
+ * sees [ns]; nothing: never. */
+std::optional<std::int64_t> whenWritten(const std::string& path);
 
 /** @return the file of the code or data at @p address, and what else the linker knows; "": none. */
 const char* fileOf(const void* address, Dl_info* info);

@@ -65,6 +65,7 @@ bool Turn::enter() {
 }
 
 void Turn::regain(Task* task) {
+  const Inside inside;  // to ring wakes a futex, and that call asks whether the thread has the turn
   {
     const Lock lock(mutex_);
     task->wait = Wait();

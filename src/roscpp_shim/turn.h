@@ -223,6 +223,7 @@ class Turn {
   void watch();
   Task* findWoken();
   void letOthersOn(const std::string& why);
+  void standIn();
 
   std::atomic<bool> is_active_{false};
   PlainMutex mutex_;  // for what follows; only the thread with the turn looks at Task::wait

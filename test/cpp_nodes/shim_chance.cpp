@@ -1,6 +1,7 @@
 // An agent as people write them: it is seeded by the time before ROS begins, and has an
 // AsyncSpinner, a loop of 30 Hz, random numbers in callbacks and durations by wall clocks. ~what
 // chooses other tests.
+#include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -10,6 +11,7 @@
 #include <stdlib.h>
 #include <sys/random.h>
 #include <sys/select.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -18,6 +20,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -276,11 +279,44 @@ void file(const std::string& path, const std::string& how) {
     tell("renames", std::rename((path + ".new").c_str(), path.c_str()));
   } else if (how == "writes") {
     tell("writes", std::ofstream(path, std::ios::app).is_open());
+  } else if (how == "asks") {
+    struct stat found;
+    tell("asks", std::filesystem::exists(path), stat(path.c_str(), &found),
+         access(path.c_str(), F_OK));
+  } else if (how == "removes") {
+    tell("removes", std::remove(path.c_str()));
   }
 }
 
-/** Make one of the calls that lockstep does not follow, or all of them. */
+/** Tell the order of names in a folder, and when a file in it was written. */
+void folder(const std::string& path) {
+  std::ofstream(path + "/made") << "1\n";
+  ros::Duration(0.25).sleep();
+  std::string names;
+  for (const auto& one : std::filesystem::directory_iterator(path)) {
+    names += ' ' + one.path().filename().string();
+  }
+  DIR* const opened = opendir(path.c_str());
+  readdir(opened);
+  const long second = telldir(opened);
+  for (int k = 0; k < 2; ++k) {
+    names += ' ' + std::string(readdir(opened)->d_name);
+    seekdir(opened, second);
+  }
+  rewinddir(opened);
+  tell("lists" + names, readdir(opened)->d_name);
+  closedir(opened);
+  struct stat found;
+  stat((path + "/made").c_str(), &found);
+  tell("written", ns(found.st_mtim));
+}
+
+/** Make one of the calls that lockstep does not follow, or all of them, or ask for files. */
 void untold(const std::string& what, ros::NodeHandle& own) {
+  if (what == "folder") {
+    folder(own.param<std::string>("file", ""));
+    return;
+  }
   for (const auto& [name, source] : untold_sources::all) {
     if (what == "all" || what == name) {
       tell(name, source());

@@ -8,9 +8,11 @@
 #include <std_msgs/String.h>
 #include <std_srvs/Empty.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
@@ -113,6 +115,11 @@ void calls() {
   }).join();
   told << malloc(40) << ' ' << malloc(1 << 20);
   teller->say(told.str());
+  auto* const used = static_cast<char*>(memset(malloc(3000), 1, 3000));
+  free(used);
+  const auto* const again = static_cast<char*>(malloc(3000));  // which nothing has written yet
+  teller->say("again " + std::to_string(again == used) + ' ' +
+              std::to_string(std::count(again, again + 3000, '\0')));
 }
 
 /** @return the bytes that are allocated on libc's heap. */

@@ -3,7 +3,9 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -351,6 +353,15 @@ void hidden(const Teller& teller) {
   teller.tell("goes on");
 }
 
+/** The only thread waits for a connection, which does not come, for 7 s of wall time. */
+void outside(const Teller& teller) {
+  const int server = ::socket(AF_INET, SOCK_STREAM, 0);
+  const timeval most{7, 0};
+  const bool is_good = ::setsockopt(server, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most) == 0 &&
+                       ::listen(server, 1) == 0 && ::accept(server, nullptr, nullptr) < 0;
+  teller.tell(is_good ? "goes on" : "no connection is waited for");
+}
+
 }  // namespace
 
 int nodeMain(int argc, char** argv) {
@@ -376,6 +387,7 @@ int nodeMain(int argc, char** argv) {
       {"output", [&] { stands(teller, [] { print(); }); }},
       {"names", [&] { stands(teller, [&] { lookUp(own.param<std::string>("aliases", "")); }); }},
       {"hidden", [&] { hidden(teller); }},
+      {"outside", [&] { outside(teller); }},
   };
   all.at(what)();
   own.setParam("done", true);

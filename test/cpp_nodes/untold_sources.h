@@ -60,6 +60,8 @@ int map(Function function) {
 inline const std::map<std::string, std::function<int()>> all = {
     // Calls about the process itself, its use of the processor, and semaphores that others share.
     {"getpid", [] { return getpid() > 0; }},
+    {"getppid", [] { return getppid() > 0; }},
+    {"gettid", [] { return gettid() > 0; }},
     {"syscall", [] { return syscall(SYS_gettid) < 0; }},
     {"times",
      [] {

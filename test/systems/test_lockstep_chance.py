@@ -113,7 +113,8 @@ class LabelledTest(unittest.TestCase):
             names = [re.sub(r"^'/(?:writes|reads)' (?:writes|reads) {}/(.+), which .+: data that passes between them "
                             'is not in the order of simulated time$'.format(folder), r'\1', label)
                      for label in run.state.not_repeatable_because]
-        self.assertEqual(sorted(names), ['copy', 'create', 'log', 'note', r'odd \xff', 'replace', 'save', 'store'])
+        self.assertEqual(sorted(names), ['asked', 'copy', 'create', 'log', 'note', r'odd \xff', 'replace', 'save',
+                                         'store'])
 
 
 class ThreadsTest(unittest.TestCase):

@@ -25,6 +25,20 @@ with open(python_script, 'r') as fh:
 """
 
 
+# A loop that calls a service until another thread has changed something.
+CALLS = """import rospy
+from std_srvs.srv import Empty, EmptyResponse
+rospy.init_node('calls')
+rospy.Service('nothing', Empty, lambda _request: EmptyResponse())
+seen = []
+rospy.Timer(rospy.Duration(0.02), seen.append, oneshot=True)
+call = rospy.ServiceProxy('nothing', Empty)
+while not seen:
+    call()
+print('%.9f seen' % rospy.get_time())
+"""
+
+
 class LookingTest(Scenario, unittest.TestCase):
     """Loops without sleep see each change at its instant, and the run is repeatable."""
 
@@ -63,6 +77,10 @@ class ExplorerTest(OwnFolder, unittest.TestCase):
         runs = run_scenario({'explorer': ['explorer.py', '_asks:=true'], 'finder': ['frontier_finder.py']}, until=10.0)
         assert_same(self, runs)
         self.assertEqual(runs[0].printed('explorer')[-1], '4.995000000 come')
+
+    def test_a_loop_that_calls_a_service_until_the_world_changes_lets_time_go_on(self):
+        run = run_programs({'calls': [self.write('calls.py', CALLS)]}, until=2.0)
+        self.assertEqual((run.printed('calls'), run.state.not_repeatable_because), (['1.020000000 seen'], []))
 
     def test_they_go_on_with_a_label_where_they_may_compute(self):
         run = run_programs({'explorer': ['explorer.py', '_computes:=true'], 'finder': ['frontier_finder.py']},

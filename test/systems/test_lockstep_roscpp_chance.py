@@ -1,15 +1,18 @@
 """Time and chance for unmodified roscpp programs come from the run, from loading on, or are labelled by name."""
 
 import errno
+import json
 import os
 import re
 import shutil
 import subprocess
 import tempfile
 import unittest
+from pathlib import Path
 
 from lockstep_roscpp_run import Program, Runs, own, recorder
 
+from move_base_abstract_ros.launching import bags
 from move_base_abstract_ros.lockstep.programs.binary import find_shim
 from move_base_abstract_ros.loopback import find_executable
 
@@ -22,8 +25,8 @@ WALL_LOOP, READS = (os.path.join(os.path.dirname(os.path.abspath(__file__)), 'un
 LAYOUT = 'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT'
 
 
-def chance(what, *arguments, name='chance', options=()):
-    return Program(name, own('shim_chance'), *arguments, options=options, what=what)
+def chance(what, *arguments, name='chance', options=(), **parameters):
+    return Program(name, own('shim_chance'), *arguments, options=options, what=what, **parameters)
 
 
 def rate():
@@ -103,8 +106,8 @@ class LockstepRoscppChanceTest(unittest.TestCase):
 
     def test_what_is_not_followed_is_labelled_by_name_and_place(self):
         shared = 'a semaphore is shared with other processes'
-        told = {'getpid': 'getpid() is another number in another run', 'sem_open': shared, 'sem_init': shared}
-        told['syscall'] = 'syscall(SYS_gettid) is another number in another run'
+        told = {what: what + '() is another number in another run' for what in ('getpid', 'getppid', 'gettid')}
+        told.update(sem_open=shared, sem_init=shared, syscall='syscall(SYS_gettid) is another number in another run')
         told.update((what, what + '() says how long the processor has worked') for what in ('times', 'getrusage'))
         told.update((what, what + '() looks at a connection or a file, by the wall clock')
                     for what in ('poll', 'ppoll', 'select', 'pselect', 'epoll_wait', 'epoll_pwait'))
@@ -124,16 +127,30 @@ class LockstepRoscppChanceTest(unittest.TestCase):
                     for what in ('/proc', '/sys'))
         told['mmap64'] = told['mmap']  # one function on systems with files of 64 bits
         run = RUNS.run([chance('all')])
-        labels = [re.fullmatch(r"'/chance': (.*) \(shim_chance\+0x[0-9a-f]+\)", label) for label in run.labels]
+        labels = [re.fullmatch(r"'/chance': (.*) \(\S*/shim_chance\+0x[0-9a-f]+\)", label) for label in run.labels]
         self.assertNotIn(None, labels, run.labels)
         self.assertEqual(sorted(label.group(1) for label in labels), sorted(set(told.values())))
+        self.assert_lines_in_log(run.labels)
+
+    def assert_lines_in_log(self, labels):
+        """Check that the launcher writes into the log at which line of the program each call stands."""
+        with tempfile.NamedTemporaryFile('w+') as log:
+            json.dump({'end': {'events': 0, 'repeatable': False, 'not_repeatable_because': labels}}, log)
+            log.flush()
+            bags.add_to_log(log.name, [])
+            with open(log.name) as stream:
+                found = json.load(stream)['end']['not_repeatable_because']
+        self.assertEqual([label.partition(' (/')[0] for label in found],
+                         [label.partition(' (/')[0] for label in labels])
+        for label in found:
+            self.assertRegex(label, r'\+0x[0-9a-f]+ \(\S+\.(h|cpp):[0-9]+, in .+\)\)$')
 
     def test_a_file_that_another_participant_writes_is_labelled(self):
         folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, folder)
         path = os.path.join(folder, 'results')
-        others = {'reads': 'writes', 'writes': 'reads', 'renames': 'reads'}
-        for how, other in others.items():
+        for how, other in (('reads', 'writes'), ('writes', 'reads'), ('renames', 'reads'), ('asks', 'writes'),
+                           ('removes', 'asks')):
             run = RUNS.run([Program('one', own('shim_chance'), what='file', file=path, how=how),
                             Program('two', own('shim_chance'), what='file', file=path, how=other)])
             self.assert_shared(run, path)
@@ -144,6 +161,16 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         run = RUNS.run([Program(name, own('shim_chance'), what='file', file=path + at, how=how)
                         for name, at, how in (('one', '', 'reads'), ('two', '', 'reads'), ('three', '.3', 'writes'))])
         self.assertEqual(run.labels, [])
+
+    def test_folders_are_listed_by_name_and_what_the_program_has_written_has_the_runs_date(self):
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        names = [f'{number * 37 % 64:02}' for number in range(64)]
+        for name in names:
+            Path(folder, name).touch()
+        listed, written = self.texts(chance('folder', file=folder))[5:]
+        self.assertEqual(listed.split(), ['lists', *sorted(names), 'made', '..', '..', '.'])
+        self.assertEqual(written, f'written {EPOCH + 3 * SECOND // 2}')
 
     def assert_shared(self, run, path):
         self.assertEqual(len(run.labels), 1, run.labels)

@@ -170,6 +170,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         self.assertGreater(len(told[0]), 100)
         addresses = [int(one, 16) for line in told[0] for one in re.findall('0x[0-9a-f]+', line)]
         self.assertEqual([at for at in addresses if not 0 < at - (1 << 44) < 1 << 37], [])
+        self.assertEqual(told[0].pop().split(' ')[-3:], ['again', '1', '3000'])  # memory that holds zeros
         *_calls, failed, non_zero, again, large = told[0][-1].split(' ')
         self.assertEqual((failed, non_zero), ('0', str(2 ** 64 - 1)))
         self.assertIn(' {} 1 '.format(again), told[0][-1])  # memory that another thread freed
@@ -202,7 +203,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
     def test_a_program_that_wants_more_threads_of_a_library_keeps_them_and_is_labelled(self):
         run = RUNS.run([Program('pool', own('shim_pool'), library=LOOPS, threads=2), recorder('/told')])
         self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['threads: 2'] * 3)
-        place = r' \(shim_pool\+0x[0-9a-f]+\)$'
+        place = r' \(\S*/shim_pool\+0x[0-9a-f]+\)$'
         self.assertEqual(len(run.labels), 2, run.labels)
         self.assertRegex(run.labels[0], r"'/pool': a library starts threads for its sums or loops .*" + place)
         self.assertRegex(run.labels[1], r"'/pool': sched_yield\(\).* while a thread works .*" + place)
@@ -211,8 +212,20 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         run = RUNS.run([Program('threads', own('shim_threads'), what='hidden'), recorder('/told')])
         self.assertEqual(run.code, 0, run.outputs)
         self.assertEqual([line.split(' ', 3)[3] for line in run.printed(1)], ['writes', 'got 7', 'goes on'])
-        self.assertEqual(run.labels,
-                         ["'/threads': a thread waits for another one in a way that lockstep does not follow"])
+        self.assertEqual(len(run.labels), 1, run.labels)
+        self.assertRegex(run.labels[0], "'/threads': a thread waits for another one in a way that lockstep does not "
+                         r'follow: it waits in read of pipe, in \S+/shim_threads\+0x[0-9a-f]+$')
+
+    def test_a_program_whose_only_thread_waits_for_somebody_outside_keeps_no_time_and_is_labelled(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), what='outside'), recorder('/told', '/ticks'), rate()])
+        self.assertEqual(run.code, 0, run.outputs)
+        self.assertEqual(len(run.labels), 3, run.labels)
+        self.assertIn('socket() makes a connection', run.labels[0])
+        self.assertIn('had input from outside', run.labels[2])
+        self.assertIn('waits for longer than 5 s for somebody outside, and simulated time goes on: it waits in accept',
+                      run.labels[1])
+        told = [line for line in run.printed(1) if line.endswith('goes on')]
+        self.assertGreater(int(told[0].split()[0]), SECOND)
 
     def test_threads_that_wait_for_work_are_idle_and_those_that_wait_for_each_other_are_stuck(self):
         for what, reason in (
@@ -243,7 +256,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
             log = read(master)
         broods, reads, brooder = (told.partition(f'/{name} owes the report of round')[2].partition('owes')[0]
                                   for name in ('broods', 'reads', 'brooder'))
-        line = r'shim_silent\+0x[0-9a-f]+ \(.*shim_silent.cpp:[0-9]+\)'
+        line = r'shim_silent\+0x[0-9a-f]+ \(.*shim_silent.cpp:[0-9]+, in .*\)'
         self.assertRegex(broods, "it is in thread 'shim_silent' computes: .*" + line)
         self.assertRegex(reads, r"it is in thread 'shim_silent' waits in read of pipe:\[[0-9]+\]: .*" + line)
         self.assertIn(f'it is in {BROODER}, line 13, in <module> > {BROODER}, line 9, in brood > ', brooder)

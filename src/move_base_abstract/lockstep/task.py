@@ -17,7 +17,7 @@ class Task:
 
     __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'kind',
                  'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
-                 'is_looking')
+                 'is_looking', 'calls', 'called_ns')
 
     def __init__(self, name: str, is_worker: bool = False) -> None:
         self.name = name
@@ -35,6 +35,7 @@ class Task:
         self.is_looking: int = False
         self.turns = 0  # the number of turns of loops since then, or since it has computed
         self.idle_turns = 0  # the same, or since it has called a function that may compute
+        self.calls, self.called_ns = 0, -1  # of services, at the instant of the last of them
 
 
 def release(task: Task) -> None:

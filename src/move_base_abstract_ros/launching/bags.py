@@ -10,6 +10,8 @@ from typing import NamedTuple
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs import event_log
 
+from ..process import code_places
+
 NOTES = 'bags'  # the file in the folder of error_lines.VARIABLE where participants note the bags that they write
 _ACTIVE = '.active'  # rosbag's name for a bag that is not closed
 LITTLE_SPACE = 'less than 1 GiB is free where it is: rosbag may have stopped recording'
@@ -80,23 +82,28 @@ def lines(bags):
 
 
 def add_to_log(log, bags):
-    """Write the bags into the end record of an event log. A log without such a record did not end properly, and stays.
+    """Write into the end record of an event log what only the launcher knows. A log without such a record stays.
 
-    If a bag is not covered, the run is not called repeatable.
+    These are the bags, and the lines of source of the places that labels name. If a bag is not covered, the run is not
+    called repeatable.
     """
-    if not bags or not os.path.isfile(log):
+    if not os.path.isfile(log):
         return
     with open(log, 'rb+') as stream:
         offset, text = _last_line(stream)
         head, body = (b'# ', text[2:]) if text.startswith(b'# ') else (b'', text)
         try:
             record = json.loads(body)
-            end = record['end']
+            end, told = record['end'], record['end']['not_repeatable_because']
         except (ValueError, KeyError, TypeError):
             return
-        end['bags'] = [bag.record for bag in bags if not bag.problem]
-        why = end['not_repeatable_because']
+        why = [code_places.with_lines(one) for one in told]
+        if not bags and why == told:
+            return
+        if bags:
+            end['bags'] = [bag.record for bag in bags if not bag.problem]
         why += [event_log.uncovered_bag(bag.node, bag.problem) for bag in bags if bag.problem]
+        end['not_repeatable_because'] = why
         end['repeatable'] = bool(end.get('repeatable')) and not why
         stream.seek(offset)
         stream.write(head + json.dumps(record, separators=(',', ':'), ensure_ascii=False).encode(

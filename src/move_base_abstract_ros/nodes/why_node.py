@@ -10,10 +10,6 @@ Exit codes: 0 the time master has answered; 1 it has not; 2 wrong arguments.
 
 import argparse
 import json
-import os
-import re
-import shutil
-import subprocess
 import sys
 
 import genpy
@@ -22,14 +18,12 @@ import rospy
 
 from move_base_abstract.common.options import POSITIVE
 from move_base_abstract.msg import TimeState
-from move_base_abstract_ros.process import ros_master_watch
+from move_base_abstract_ros.process import code_places, ros_master_watch
 from move_base_abstract_ros.replacing import rospy_start
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
         'ros::Duration::sleep); a wait for a file, a socket or another process holds up all nodes until it is over; '
         'a long computation only needs patience')
-_CODE = re.compile(r'(\S+)\+(0x[0-9a-f]+)')  # a place in a binary, as a thread of it reports it: file + offset
-_ADDR2LINE_SECONDS = 10.0  # wall
 #: phase of a run in lockstep: a command that helps next; FILE is the launch file of the run
 NEXT = {
     'waiting_for_participants': 'which node is waited for, and whether it takes part at all: rosrun move_base_abstract '
@@ -169,25 +163,10 @@ def _waiting_lines(state):
         if one.told:
             yield f'    it was told last: {one.told}'
         if one.where:
-            yield f'    it is in {_CODE.sub(_with_line, one.where)}'
+            yield f'    it is in {code_places.with_lines(one.where)}'
             yield f'    {HELP}'
     if len(waiting) > SHOWN:
         yield f'... and {len(waiting) - SHOWN} more'
-
-
-def _with_line(place):
-    """Return a place in a binary, with the line of its source if addr2line is installed and finds the line."""
-    path, offset = place.groups()
-    program = shutil.which('addr2line')
-    if program is None or not os.path.isfile(path):
-        return place.group()
-    try:
-        done = subprocess.run([program, '-e', path, offset], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                              check=False, timeout=_ADDR2LINE_SECONDS)
-    except (OSError, subprocess.TimeoutExpired):
-        return place.group()
-    line = done.stdout.decode(errors='replace').split(' (')[0].strip()
-    return place.group() if not line or line.startswith('??') else f'{place.group()} ({line})'
 
 
 def _participant_lines(state):
@@ -213,7 +192,7 @@ def _participant_lines(state):
 
 
 def _label_lines(state):
-    yield from (f'not repeatable: {why}' for why in state.not_repeatable_because)
+    yield from (f'not repeatable: {code_places.with_lines(why)}' for why in state.not_repeatable_because)
     yield from (f'degraded: {why}' for why in state.degraded_because)
     if state.repeatable:
         yield 'repeatable so far'

@@ -55,6 +55,7 @@ _MASTER = ('makes parameters take effect with their rounds, and names nodes and 
            'participants have done their work of this instant')
 _CLOCK = 'goes on with simulated time, for the program'
 _CHANCE = "follows from the run's seed and the node's name, for the program"
+_ASKED = 'reports the file to the time master, as one that is read'
 _SORTED = 'sorts the entries, which the file system gives in any order'
 _ROUNDS = 'switches the collection of garbage, which comes after a number of rounds, on or off'
 _TOLD = 'labels the run if the program calls it'
@@ -173,6 +174,7 @@ _ROWS = (
            'threading.enumerate'),
     Row('rospy.get_node_uri', LAUNCHER, _TOLD),
     Row('os.readlink', LAUNCHER, 'labels the run for what lies in /dev, /proc and /sys'),
+    *_rows(LAUNCHER, _ASKED, 'os.stat', 'os.lstat', 'os.access'),
     Row('logging.Formatter.__init__', LAUNCHER, 'labels the run if the log shows the number of a process or thread'),
     Row('threading.Thread.ident', LAUNCHER, 'labels the run if the program shows it, or orders anything by it'),
     Row('threading.Thread.native_id', LAUNCHER, _TOLD),
@@ -194,6 +196,7 @@ _ROWS = (
     Row('sqlite3.dbapi2.connect', SQLITE, _SQLITE),
     Row('pathlib._NormalAccessor.listdir', OLD_LAUNCHER, _SORTED),
     Row('pathlib._NormalAccessor.scandir', OLD_LAUNCHER, _SORTED),
+    *_rows(OLD_LAUNCHER, _ASKED, 'pathlib._NormalAccessor.stat', 'pathlib._NormalAccessor.lstat'),
     Row('asyncio.base_events.BaseEventLoop.time', LOOPS, _CLOCK),
     Row('asyncio.selector_events.BaseSelectorEventLoop.__init__', LOOPS,
         'makes the loop wait in a selector that gives the turn away'),

@@ -101,6 +101,16 @@ int openEntropy(const char* path, int flags, const void* caller) {
   return file;
 }
 
+namespace {
+
+/** @brief Label the run if the program's own code asks for a number of the kernel's. */
+void tellNumber(const char* name, const void* caller) {
+  if (sees() != Sees::kMachine && isProgramsOwn(caller)) {
+    tell(std::string(name) + " is another number in another run", caller);
+  }
+}
+
+}  // namespace
 }  // namespace move_base_abstract::shim
 
 namespace shim = move_base_abstract::shim;
@@ -135,13 +145,23 @@ int uuid_generate_time_safe(unsigned char* out) {
   return shim::name(out, 1, MOVE_BASE_ABSTRACT_CALLER) ? 0 : function(out);
 }
 
-// ---- process number --------------------------------------------------------------------------
+// ---- numbers of processes and threads --------------------------------------------------------
 
 pid_t getpid() {
   static auto* const function = shim::real(&::getpid, "getpid");
-  if (shim::sees() != shim::Sees::kMachine && shim::isProgramsOwn(MOVE_BASE_ABSTRACT_CALLER)) {
-    shim::tell("getpid() is another number in another run", MOVE_BASE_ABSTRACT_CALLER);
-  }
+  shim::tellNumber("getpid()", MOVE_BASE_ABSTRACT_CALLER);
+  return function();
+}
+
+pid_t getppid() {
+  static auto* const function = shim::real(&::getppid, "getppid");
+  shim::tellNumber("getppid()", MOVE_BASE_ABSTRACT_CALLER);
+  return function();
+}
+
+pid_t gettid() {
+  static auto* const function = shim::real(&::gettid, "gettid");
+  shim::tellNumber("gettid()", MOVE_BASE_ABSTRACT_CALLER);
   return function();
 }
 

@@ -1,17 +1,23 @@
 // Files: those of random bytes are replaced, those that describe the system label the run, and all
-// others are reported. The time master compares which files each participant reads and writes.
+// others are reported, also if the program only asks whether they are there. The time master
+// compares which files each participant reads and writes.
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "chance.h"
 #include "libc/devices.h"
+#include "libc/instants.h"
 #include "lockstep/wire/utf8.h"
 #include "roscpp_shim/followed.h"
 #include "roscpp_shim/machine/real.h"
@@ -117,9 +123,54 @@ class Opening {
   int file_ = -1;
 };
 
-/** @brief Report the new name of a renamed file as a file that is written. @return @p result. */
-int tellRenamed(int result, const char* to, const void* caller) {
-  return Opening(to, O_WRONLY, caller).noted(result);
+/** @brief Report a file that has a name or has lost one as written. @return @p result. */
+int tellNamed(int result, const char* path, const void* caller) {
+  return Opening(path, O_WRONLY, caller).noted(result);
+}
+
+void setTime(timespec* time, Nanoseconds at) { *time = toTimespec(at); }
+void setTime(struct statx_timestamp* time, Nanoseconds at) {
+  time->tv_sec = at / kSecond;
+  time->tv_nsec = static_cast<std::uint32_t>(at % kSecond);
+}
+void setTimes(struct statx* found, Nanoseconds at) {
+  for (auto* const time : {&found->stx_atime, &found->stx_mtime, &found->stx_ctime}) {
+    setTime(time, at);
+  }
+}
+template <typename Stat>
+void setTimes(Stat* found, Nanoseconds at) {
+  for (auto* const time : {&found->st_atim, &found->st_mtim, &found->st_ctim}) {
+    setTime(time, at);
+  }
+}
+
+/** @brief Report a file as read if the program asks whether it is there. @return its path; "": the
+ * file does not matter. */
+std::string asked(const char* path, const void* caller) {
+  if (path == nullptr || *path == '\0' || Turn::isInside() || Turn::isInternal() ||
+      sees() == Sees::kMachine || !isProgramsOwn(caller)) {
+    return "";
+  }
+  const int error = errno;
+  const Inside inside;
+  const std::string text = asText(wholePath(path));
+  if (!text.empty()) {
+    noteFile(text, true, false);
+  }
+  errno = error;
+  return text;
+}
+
+/** @brief The same, and give a file that the program has written the date of the run. */
+template <typename Stat>
+int asked(int result, const char* path, Stat* found, const void* caller) {
+  const std::string text = asked(path, caller);
+  const auto at = text.empty() || result != 0 ? std::nullopt : whenWritten(text);
+  if (at) {
+    setTimes(found, *at);
+  }
+  return result;
 }
 
 }  // namespace
@@ -134,8 +185,58 @@ extern "C" {
 
 int rename(const char* from, const char* to) {
   static auto* const function = shim::real(&::rename, "rename");
-  return shim::tellRenamed(function(from, to), to, MOVE_BASE_ABSTRACT_CALLER);
+  return shim::tellNamed(function(from, to), to, MOVE_BASE_ABSTRACT_CALLER);
 }
+
+int remove(const char* path) {
+  static auto* const function = shim::real(&::remove, "remove");
+  return shim::tellNamed(function(path), path, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+int unlink(const char* path) {
+  static auto* const function = shim::real(&::unlink, "unlink");
+  return shim::tellNamed(function(path), path, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+// ---- questions about files -------------------------------------------------------------------
+
+int access(const char* path, int mode) {
+  static auto* const function = shim::real(&::access, "access");
+  shim::asked(path, MOVE_BASE_ABSTRACT_CALLER);
+  return function(path, mode);
+}
+
+int stat(const char* path, struct stat* found) {
+  static auto* const function = shim::real<int(const char*, struct stat*)>("stat");
+  return shim::asked(function(path, found), path, found, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+int lstat(const char* path, struct stat* found) {
+  static auto* const function = shim::real<int(const char*, struct stat*)>("lstat");
+  return shim::asked(function(path, found), path, found, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+int statx(int folder, const char* path, int flags, unsigned mask, struct statx* found) {
+  static auto* const function = shim::real(&::statx, "statx");
+  const int result = function(folder, path, flags, mask, found);
+  return shim::asked(result, shim::ofNoFolder(folder, path), found, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+// Before glibc 2.33 the headers called these.
+
+int __xstat(int version, const char* path, struct stat* found) {
+  static auto* const function = shim::real<int(int, const char*, struct stat*)>("__xstat");
+  return shim::asked(function(version, path, found), path, found, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+int __lxstat(int version, const char* path, struct stat* found) {
+  static auto* const function = shim::real<int(int, const char*, struct stat*)>("__lxstat");
+  return shim::asked(function(version, path, found), path, found, MOVE_BASE_ABSTRACT_CALLER);
+}
+
+// Files of more than 32 bits are the usual ones here.
+asm(".globl stat64, lstat64, __xstat64, __lxstat64\n"
+    ".set stat64, stat\n.set lstat64, lstat\n.set __xstat64, __xstat\n.set __lxstat64, __lxstat");
 
 }  // extern "C"
 #pragma GCC visibility pop

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "kernel.h"
 
@@ -124,9 +125,9 @@ void* OrderedHeap::carve(unsigned index) {
 
 // ---- blocks ----------------------------------------------------------------------------------
 
-OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment) {
+void* OrderedHeap::allocate(std::size_t size, std::size_t alignment) {
   if (size > std::size_t{1} << 36 || alignment > kChunk) {
-    return {};
+    return nullptr;
   }
   if (alignment > kGrain) {  // blocks whose size is a power of two lie at multiples of it
     const std::size_t least = std::max(size, alignment);
@@ -137,17 +138,16 @@ OrderedHeap::Block OrderedHeap::allocate(std::size_t size, std::size_t alignment
   if (classes_[index].free == nullptr && aside_ > kMostAside) {
     takeBack();
   }
-  Block block;
-  if (Free* const free = classes_[index].free) {
-    classes_[index].free = free->next;
-    kept_ -= bytesOf(index) >= kChunk && !free->is_discarded ? bytesOf(index) : 0;
-    block = {free, free->is_discarded};
-    *free = {};  // if it was discarded, the rest of it is zeros
-  } else {
-    block = {carve(index), true};
+  Free* const free = classes_[index].free;
+  if (free == nullptr) {
+    void* const fresh = carve(index);
+    unlock();
+    return fresh;
   }
+  classes_[index].free = free->next;
+  kept_ -= bytesOf(index) >= kChunk && !free->is_discarded ? bytesOf(index) : 0;
   unlock();
-  return block;
+  return std::memset(free, 0, free->is_discarded ? sizeof(Free) : bytesOf(index));
 }
 
 /** @brief Put a free block on a list; the memory of a large one may go back to the system. */

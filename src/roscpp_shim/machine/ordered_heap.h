@@ -27,14 +27,12 @@ class OrderedHeap {
   static constexpr std::size_t kChunk = std::size_t{1} << 16;  // also the largest alignment
   static constexpr std::size_t kMostAside = std::size_t{64} << 20;
 
-  /** @brief A block, and whether it contains zeros. */
-  struct Block {
-    void* address = nullptr;  // null: no room, or an alignment above kChunk
-    bool is_zero = false;
-  };
-
-  /** @param alignment a power of two. */
-  Block allocate(std::size_t size, std::size_t alignment);
+  /**
+   * @param alignment a power of two.
+   * @return a block of zeros, so that what a program reads without having written it is the same
+   * in each run; null: no room, or an alignment above kChunk.
+   */
+  void* allocate(std::size_t size, std::size_t alignment);
   /** @brief Free a block; the next allocation of its size class gets it. */
   void release(void* address);
   /** @brief Free a block that must not be handed out in order again. */

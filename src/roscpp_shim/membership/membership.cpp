@@ -243,6 +243,8 @@ std::uint64_t Membership::grantedRound() {
   return state_ == State::kTurn ? round_ : 0;
 }
 
+std::string Membership::describe(int thread) { return describeBriefly(thread); }
+
 void Membership::tellBusy(std::uint64_t round) {
   const int thread = program_.busyThread();
   const std::string where = describeThread(thread == 0 ? reader_.load() : thread);

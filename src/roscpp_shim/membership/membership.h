@@ -106,6 +106,8 @@ class Membership {
   /** @brief Close the connection when the time master has read all bytes. */
   void finish() { link_.finish(leave_limit_ms_); }
   void ring() { bell_.ring(); }
+  /** @return what a thread is doing and where in the program, in short. */
+  static std::string describe(int thread);
 
   // ---- rounds
   /** @brief Send a report if there is a grant, and wait for the next grant, or for the end. */

@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <sstream>
 #include <vector>
 
@@ -72,6 +73,9 @@ constexpr Call kCalls[] = {
     {SYS_pselect6, "select", false, false},
     {SYS_epoll_pwait, "epoll_wait", false, false},
     {SYS_clock_nanosleep, "nanosleep", false, false},
+#ifdef SYS_accept
+    {SYS_accept, "accept", true, false},
+#endif
 #ifdef SYS_poll
     {SYS_poll, "poll", false, false},
     {SYS_select, "select", false, false},
@@ -143,7 +147,8 @@ bool isOurs(const std::string& text) {
   return text.find("libmove_base_abstract_") != std::string::npos;
 }
 
-std::string stackText(std::size_t depth) {
+/** @return the places in the thread's functions, the innermost first. */
+std::vector<std::string> stackOf(std::size_t depth) {
   std::vector<std::string> places;
   for (std::size_t k = 2; k < depth; ++k) {  // without the handler and its caller
     const std::string text = place(frames[k]);
@@ -151,6 +156,10 @@ std::string stackText(std::size_t depth) {
       places.push_back(text);
     }
   }
+  return places;
+}
+
+std::string stackText(std::vector<std::string> places) {
   places.resize(std::min(places.size(), kMostShown));
   std::string text;
   for (auto one = places.rbegin(); one != places.rend(); ++one) {
@@ -159,8 +168,10 @@ std::string stackText(std::size_t depth) {
   return text;
 }
 
-/** @return the functions of the thread; '' if it does not answer. */
-std::string askForStack(int id) {
+/** @return the places in the thread's functions; none if it does not answer. */
+std::vector<std::string> askForStack(int id) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard<std::mutex> lock(one_at_a_time);
   // The first call of backtrace() loads a library, which a signal handler must not do.
   ::backtrace(frames.data(), 1);
   struct sigaction own {};
@@ -172,22 +183,22 @@ std::string askForStack(int id) {
   const bool is_free = (before.sa_flags & SA_SIGINFO) == 0 &&
                        (before.sa_handler == SIG_DFL || before.sa_handler == onAsked);
   if (!is_free) {
-    return "";
+    return {};
   }
   ::sigaction(number, &own, nullptr);
   asked = id;
   if (::syscall(SYS_tgkill, ::getpid(), id, number) != 0) {
     asked = 0;
-    return "";
+    return {};
   }
   for (int look = 0; look < kAnswerLooks && asked != 0; ++look) {
     ::poll(nullptr, 0, 10);
   }
   int waiting = id;
   if (asked.compare_exchange_strong(waiting, 0)) {
-    return "";  // the thread has blocked the signal
+    return {};  // the thread has blocked the signal
   }
-  return stackText(static_cast<std::size_t>(count));
+  return stackOf(static_cast<std::size_t>(count));
 }
 
 }  // namespace
@@ -196,8 +207,21 @@ std::string describeThread(int id) {
   const Doing doing = doingOf(std::to_string(id));
   std::string text = "thread '" + lineOf(std::to_string(id), "comm") + "' " + doing.words;
   if (doing.may_be_asked) {
-    const std::string stack = askForStack(id);
+    const std::string stack = stackText(askForStack(id));
     text += stack.empty() ? "" : ": " + stack;
+  }
+  return text;
+}
+
+std::string describeBriefly(int id) {
+  const Doing doing = doingOf(std::to_string(id));
+  std::string text = doing.words.substr(0, doing.words.find(":["));  // a number of the kernel
+  for (const std::string& one : doing.may_be_asked ? askForStack(id) : std::vector<std::string>()) {
+    const std::string file = one.substr(one.find_last_of(' ') + 1);
+    if (file.rfind("/usr/lib/", 0) != 0 && file.rfind("/lib/", 0) != 0 &&
+        file.rfind("/opt/ros/", 0) != 0) {
+      return text + ", in " + file;
+    }
   }
   return text;
 }

@@ -18,6 +18,12 @@ namespace move_base_abstract::lockstep::internal {
  */
 std::string describeThread(int id);
 
+/**
+ * @return the same in short, for a label: "waits in accept of socket", or "computes, in
+ * /path/agent+0x1a2b" with the innermost function of the program's own.
+ */
+std::string describeBriefly(int id);
+
 }  // namespace move_base_abstract::lockstep::internal
 
 #endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H

@@ -37,12 +37,14 @@ def log(path):
     logger.error('so it is')
 
 
-WAYS = {'note': note, 'create': create, 'replace': replace, 'store': store, 'log': log,
+WAYS = {'note': note, 'asked': note, 'create': create, 'replace': replace, 'store': store, 'log': log,
         'save': lambda path: numpy.savetxt(path, [1.0]), 'copy': lambda path: shutil.copyfile(__file__, path),
         '/dev/null': note, '__pycache__/kept': note}
 
 
 def look(path):
+    if path == 'asked':
+        return os.path.exists(path) and os.access(path, os.R_OK)
     try:
         with open(path, 'rb') as stream:
             return stream.read(1)

@@ -1,4 +1,4 @@
-"""Files that the program opens are reported to the time master, which compares what participants read and write.
+"""Files that the program opens, or asks for, are reported to the time master, which compares what participants do.
 
 If two participants open a file, and one of them writes it, that bypasses the order of simulated time. Files that ROS
 opens for itself, and those that are read for an import, are not reported. The time master decides which of the others
@@ -6,9 +6,10 @@ do not matter, for programs in C++, too.
 """
 from __future__ import annotations
 
+import functools
 import os
 import sys
-from typing import Any, Dict, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 from urllib.parse import parse_qs, unquote
 
 from move_base_abstract.lockstep import wire
@@ -43,11 +44,20 @@ class Files:
             if own_frame(sys._getframe(2)) is not None:
                 self._note(path, kinds)
 
+    def asking(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return ``os.stat``, or another function of a path, that notes the file as read: it may be there, or not."""
+        @functools.wraps(function)
+        def ask(path: Any, *args: Any, **kwds: Any) -> Any:
+            if kwds.get('dir_fd') is None and own_frame(sys._getframe(1)) is not None:
+                self._note(_path(path), _READS)
+            return function(path, *args, **kwds)
+        return ask
+
     def connected(self, database: Any, *_args: Any, **_kwds: Any) -> None:
         """Note the file of a database. Our replacement of sqlite3.connect calls this with the program's arguments."""
         self._note(*_database(database))
 
-    def _note(self, path: str, kinds: Any) -> None:
+    def _note(self, path: Optional[str], kinds: Any) -> None:
         if path is None or told.is_over():
             return
         try:
@@ -101,6 +111,11 @@ def _renamed(_source: Any, to: Any, _source_folder: int = -1, folder: int = -1) 
     return (path if path is None or folder == -1 or os.path.isabs(path) else None), _WRITES
 
 
+def _removed(given: Any, folder: int = -1) -> Any:
+    """Return (path or None, kinds of note) for os.remove(), which counts as writing."""
+    return _renamed(None, given, -1, folder)
+
+
 def _database(given: Any, *_others: Any) -> Any:
     """Return (path or None, kinds of note) for sqlite3.connect(), which takes a path or a URI."""
     path = _path(given)
@@ -115,7 +130,8 @@ def _database(given: Any, *_others: Any) -> Any:
 
 
 #: {event of sys.audit: function of its arguments that returns (path or None, kinds of note)}
-_FILES: Dict[str, Any] = {'open': _opened, 'os.rename': _renamed, 'sqlite3.connect': _database}
+_FILES: Dict[str, Any] = {'open': _opened, 'os.rename': _renamed, 'os.remove': _removed,
+                          'sqlite3.connect': _database}
 
 #: the files of this process
 files = Files()

@@ -162,7 +162,7 @@ def _tell(what: Any, path: str, offset: Any) -> None:
         return
     if told.participant is None or told.is_over():
         return
-    place = '{}+{:#x}'.format(os.path.basename(path), offset) if path else 'code without a file'
+    place = '{}+{:#x}'.format(path, offset) if path else 'code without a file'
     told.tell_text('{} ({})'.format(WORDS[what].format(_limit(), _LIMIT), place))
 
 

@@ -114,6 +114,13 @@ def install() -> None:
         os.supports_fd.add(in_order)
         if sys.version_info < (3, 11):  # pathlib has kept the function from the time of its import
             replace('pathlib._NormalAccessor.' + name, lambda _machine, by=in_order: staticmethod(by))
+    for name in ('stat', 'lstat', 'access'):
+        machine = getattr(os, name)
+        replace('os.' + name, files.asking)
+        for able in (os.supports_dir_fd, os.supports_fd, os.supports_follow_symlinks, os.supports_effective_ids):
+            able.update({getattr(os, name)} if machine in able else ())
+        if name != 'access' and sys.version_info < (3, 11):
+            replace('pathlib._NormalAccessor.' + name, lambda _machine, ask=getattr(os, name): staticmethod(ask))
     sys.addaudithook(_audit)
 
 
