@@ -30,9 +30,7 @@ import rosgraph
 import rospkg
 from roslib import packages
 
-from move_base_abstract.common import processes
-
-from .process import guard
+from move_base_abstract.common import guard, processes, temporary
 
 if TYPE_CHECKING:
     from move_base_abstract.common.processes import Forked
@@ -92,7 +90,7 @@ class Loopback:
         self._use_sim_time = use_sim_time
         self._children: List[Any] = []
         try:
-            self.log_dir = guard.folder(PACKAGE + '_')
+            self.log_dir = temporary.make('')
         except OSError as error:
             raise LoopbackError(f'no folder for the logs can be made in TMPDIR or /tmp: {error.strerror}') from None
         self.uri: Any = None
@@ -163,9 +161,9 @@ class Loopback:
         _end(nodes)
         _end(master)
         if keep_logs:
-            guard.keep(self.log_dir)
+            temporary.keep(self.log_dir)
         else:
-            shutil.rmtree(self.log_dir, ignore_errors=True)
+            temporary.remove(self.log_dir)
 
     def _start_master(self) -> None:
         for attempt in range(1, MASTER_TRIES + 1):

@@ -4,15 +4,13 @@ from __future__ import annotations
 import json
 import os
 import select
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from typing import Any, Iterable, List, Optional
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.runs import event_log
 
 WALL_LIMIT_S = 120.0
@@ -28,7 +26,7 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
 
     :param wall_limit: how long one run may take [s, wall].
     """
-    folder = tempfile.mkdtemp(prefix='lockstep_test_')
+    folder = temporary.make('test_')
     reports = _run(item, os.path.join(folder, 'run_1'), wall_limit)
     if _is_good(reports) and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
         again = _run(item, os.path.join(folder, 'run_2'), wall_limit)
@@ -39,8 +37,9 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
             if problem and report.when == _CALL:
                 report.outcome, report.longrepr = 'failed', problem
     if _is_good(reports):
-        shutil.rmtree(folder, ignore_errors=True)
+        temporary.remove(folder)
     else:
+        temporary.keep(folder)
         for report in reports:
             if report.failed:
                 report.sections.append(('lockstep', 'event log and output of the nodes: {}'.format(folder)))
@@ -65,7 +64,9 @@ def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
         try:
             os.close(read)
             os.setpgid(0, 0)
-            processes.die_with(os.getppid())
+            processes.die_with(os.getppid(), signal.SIGTERM)
+            guard.stand('pytest')
+            signal.signal(signal.SIGTERM, _end_at_once)  # pytest would take an exit for a failure of the test
             found = _runner(item).runtestprotocol(item, log=False, nextitem=None)
             told = [item.config.hook.pytest_report_to_serializable(config=item.config, report=one) for one in found]
             with os.fdopen(write, 'w') as stream:
@@ -77,6 +78,11 @@ def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
     text = _read(read, wall_limit)
     _end(pid)
     return _reports(item, text, wall_limit)
+
+
+def _end_at_once(*_signal: Any) -> None:
+    processes.end_all_children()
+    os._exit(1)
 
 
 def _runner(item: Any) -> Any:
@@ -107,12 +113,13 @@ def _read(descriptor: int, wall_limit: float) -> Optional[bytes]:
 
 
 def _end(pid: int) -> None:
-    """End the fork if it has not ended by itself. Its children end with it."""
+    """End the fork if it has not ended by itself. It is the guard of the test's process, and ends its children."""
     forked = processes.Forked(pid)
     try:
         forked.wait(_GRACE_S)
     except subprocess.TimeoutExpired:
-        os.kill(pid, signal.SIGKILL)
+        for child in processes.children(str(pid)):
+            os.kill(child, signal.SIGKILL)
         forked.wait()
 
 

@@ -6,14 +6,16 @@ import contextlib
 import itertools
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
 from own_folder import GUARD, MANIFEST, OwnFolder, events_of
-from waiting import children_of
+from waiting import children_of, wait_for
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -24,7 +26,7 @@ LAUNCH = """<launch>
 <node pkg="move_base_abstract" type="map_server" name="map_server" args="{maps}/farm_yard.yaml"/>
 <node pkg="study_of_others" type="lives.py" name="lives" output="screen"/>
 <node pkg="study_of_others" type="shell.sh" name="shell"/>
-<node pkg="move_base_abstract" type="shim_idle" name="binary"/>
+<node pkg="move_base_abstract" type="shim_rate" name="binary"><param name="frequency" value="2.0"/></node>
 </launch>"""
 LIVES = """#!/usr/bin/env python3
 import rospy
@@ -35,6 +37,20 @@ while not rospy.is_shutdown():
     rospy.sleep(1.0)
 """
 SHELL = '#!/bin/sh\n(trap "" INT TERM; while true; do sleep 0.1; done) &\nwait\n'
+
+
+TEST = """import pytest
+@pytest.mark.lockstep(launch='run.launch')
+def test_it(lockstep):
+    lockstep.run_for(1e6)
+"""
+SCRIPT = """import roslaunch
+parent = roslaunch.parent.ROSLaunchParent('x', [('run.launch', [])])
+parent.start()
+parent.spin()
+"""
+BOUND = 60.0  # wall s; without load it takes 5 s at most
+BEGIN = 10.0  # wall s; then a run has begun that has fewer processes
 
 
 class NobodySurvives(OwnFolder, unittest.TestCase):
@@ -56,8 +72,9 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
             'ROS_PACKAGE_PATH': os.pathsep.join([self.path('own'), os.environ['ROS_PACKAGE_PATH']])})
 
     def begin(self, program, *words):
-        """Start a program of this package, whose output nobody reads when it has ended."""
-        process = subprocess.Popen([find_executable(program), *words], env=self.environment, cwd=self.folder,
+        """Start a program of this package, or pytest, whose output nobody reads when it has ended."""
+        command = [sys.executable, '-m', program] if program == 'pytest' else [find_executable(program)]
+        process = subprocess.Popen([*command, *words], env=self.environment, cwd=self.folder,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    text=True, start_new_session=True)
         self.addCleanup(process.wait)
@@ -77,22 +94,41 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
                 continue  # it has ended
         return found
 
-    def assert_nobody(self):
-        """Wait until no process is left; check that no folder is left either."""
-        deadline = time.monotonic() + GUARD
-        while self.processes():
-            self.assertLess(time.monotonic(), deadline, self.processes())
-            time.sleep(0.02)
-        self.assertEqual(os.listdir(self.path('tmp')), [])
+    def assert_nobody(self, said='', were_both=False):
+        """Wait until no process is left; check that no folder is left either but those that ``said`` names.
 
-    def running(self):
+        ``were_both``: whether a guard and its program may have been killed at once: then what ignores signals stays,
+        and the next program removes the folders.
+        """
+        deadline = time.monotonic() + BOUND
+        while True:
+            left = self.processes()
+            for pid in [pid for pid, words in left.items() if were_both and 'shell.sh' in words]:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+            if not left:
+                break
+            self.assertLess(time.monotonic(), deadline, left)
+            time.sleep(0.02)
+        if were_both:
+            said += self.begin('lockstep_launch', '--list', self.file).communicate()[0]
+        self.assertEqual([name for name in os.listdir(self.path('tmp')) if name not in said], [])
+
+    def running(self, *words):
         """Start the launch file in real time; return the program when time has begun in its nodes."""
         for name in ('words', 'events.jsonl'):
             if os.path.exists(self.path(name)):
                 os.remove(self.path(name))
-        process = self.begin('lockstep_launch', '--event-log', self.log, '--speed-limit', '1', self.file)
-        self.assertTrue(any('under way' in line for line in process.stdout), 'the run has not begun')
+        process = self.begin('lockstep_launch', '--event-log', self.log, '--speed-limit', '1', *words, self.file)
+        said = []
+        self.assertTrue(any(said.append(line) or 'under way' in line for line in process.stdout), said)
+        self.uri = re.search('ROS_MASTER_URI=(http[^\x1b\\s]+)', ''.join(said)).group(1)
         return process
+
+    def why(self):
+        """Return what `why` says of the run."""
+        return subprocess.run([find_executable('why')], env={**self.environment, 'ROS_MASTER_URI': self.uri},
+                              stdout=subprocess.PIPE, check=False, timeout=GUARD, text=True).stdout
 
     def pid_of(self, role, guard):
         """Return the process id of the guard, of the program, of its ROS master, or of a node."""
@@ -123,20 +159,29 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
                     self.assertFalse(events_of(self.log)[0].end['repeatable'], said)
 
     def test_at_any_moment(self):
-        """Any process, also while the run begins."""
+        """Any process of any program that runs launch files, also while it begins; then the program itself."""
+        self.write('trials.yaml', 'experiment: trials\nlaunch: run.launch\nuntil: {at: 1000000.0}\nreplications: 2\n')
+        self.write('test_it.py', TEST)
+        self.write('script.py', SCRIPT)
+        programs = (('lockstep_launch', self.file), ('experiment', 'run', 'trials.yaml', '-o'),
+                    ('pytest', '-p', 'move_base_abstract_testing', '-p', 'no:cacheprovider', 'test_it.py'),
+                    ('lockstep_launch', '--script', '--logs'), ('demo', '--clock', 'scaled', '--factor', '1'))
         draws = random.Random(48)
-        for _ in range(int(os.environ.get('NIGHT', '3'))):
-            process, count, number = self.begin('lockstep_launch', self.file), draws.randint(1, 12), draws.choice(
-                [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
-            with self.subTest(processes=count, signal=number):
-                found = {}
-                while len(found) < count and process.poll() is None and 'sleep' not in str(found):
+        for number in range(60 if 'NIGHT' in os.environ else len(programs)):
+            words = programs[number % len(programs)]
+            out = [self.path('out_{}'.format(number))] if words[-1].startswith('-') else []
+            out += ['script.py'] if '--script' in words else []
+            count, signals = draws.randint(1, 25), draws.choices([signal.SIGKILL, signal.SIGTERM], k=2)
+            with self.subTest(program=words[:2], number=number, processes=count, signals=signals):
+                process, found, deadline = self.begin(*words, *out), {}, time.monotonic() + BEGIN
+                while len(found) < count and process.poll() is None and time.monotonic() < deadline:
                     found = self.processes()
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(draws.choice(sorted(found)), number)
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(process.pid, number)
-                self.assert_nobody()
+                victim = draws.choice(sorted(found) or [process.pid])
+                for pid, sent in zip((victim, process.pid), signals):
+                    with contextlib.suppress(ProcessLookupError):
+                        os.kill(pid, sent)
+                said = process.communicate()[0]
+                self.assert_nobody(said, victim != process.pid and signals == [signal.SIGKILL] * 2)
 
     def test_a_node_that_is_killed_labels_the_run(self):
         """A fault of its own does not."""
@@ -157,6 +202,26 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
                 why = events_of(self.log)[0].end['not_repeatable_because']
                 self.assertEqual([label in line for line in why], [True] if label else [], why)
                 os.remove(self.log)
+
+    def test_who_is_stopped_is_waited_for(self):
+        """It has not died: `why` names it, and when it goes on, the bytes are the same."""
+        logs = set()
+        for role in ('', 'lives', 'binary', *(('time_master', 'rosmaster') if 'NIGHT' in os.environ else ())):
+            with self.subTest(role=role):
+                process = self.running('--until', '3')
+                if role:
+                    pid = self.pid_of(role, process.pid)
+                    os.kill(pid, signal.SIGSTOP)
+                    if role in ('time_master', 'rosmaster'):
+                        time.sleep(3.0)
+                    else:
+                        wait_for('its name', lambda role=role: '/{} owes'.format(role) in self.why(), 20.0)
+                    os.kill(pid, signal.SIGCONT)
+                self.assertIn('the run is over', process.communicate()[0])
+                self.assertEqual(process.returncode, 0)
+                with open(self.log, 'rb') as stream:
+                    logs.add(stream.read())
+        self.assertEqual(len(logs), 1)
 
     def test_refused(self):
         """A run that is refused."""

@@ -4,9 +4,10 @@ import tempfile
 
 import pytest
 
-from move_base_abstract_experiments.carrying import temporary
+from move_base_abstract.common import temporary
+from move_base_abstract.common.own_files import MARKER
 
-PREFIX = 'move_base_abstract_x_'
+PREFIX = temporary.PREFIX + 'x_'
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +25,7 @@ def left(tmp_path, name='left'):
 
 def test_what_a_killed_process_left_is_removed_by_the_next_one(tmp_path):
     path = left(tmp_path)
-    with temporary.folder(PREFIX) as own:
+    with temporary.folder('x_') as own:
         assert not path.exists()
         assert os.listdir(tmp_path) == [os.path.basename(own)]
     assert not os.listdir(tmp_path)
@@ -36,15 +37,15 @@ def test_what_is_in_use_or_not_ours_stays(tmp_path):
     (tmp_path / (PREFIX + 'others')).mkdir()
     (tmp_path / (PREFIX + 'others') / 'file').write_text('precious')
     (tmp_path / (PREFIX + 'marked')).mkdir()
-    (tmp_path / (PREFIX + 'marked') / temporary.MARKER).write_text('by another program')
+    (tmp_path / (PREFIX + 'marked') / MARKER).write_text('by another program')
     elsewhere = tmp_path / 'elsewhere'
     os.close(temporary.KIND.make(str(elsewhere)))
     (tmp_path / (PREFIX + 'link')).symlink_to(elsewhere)
     (tmp_path / (PREFIX + 'empty')).mkdir()
     before = sorted(os.listdir(tmp_path))
     try:
-        assert temporary.remove_left(PREFIX) == []
+        assert temporary.remove_left() == []
     finally:
         os.close(marker)
     assert sorted(os.listdir(tmp_path)) == before
-    assert temporary.remove_left(PREFIX) == [str(in_use)]
+    assert temporary.remove_left() == [str(in_use)]

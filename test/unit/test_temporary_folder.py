@@ -4,7 +4,7 @@ import tempfile
 
 import pytest
 
-from move_base_abstract.common.temporary_folder import temporary_folder
+from move_base_abstract.common.temporary import temporary_folder
 
 
 @pytest.fixture(autouse=True)

@@ -333,11 +333,11 @@ def end_all_children() -> None:
         time.sleep(0.005)
 
 
-def children() -> List[int]:
-    """Return the process ids of this process's children, adopted ones too."""
+def children(of: str = 'self') -> List[int]:
+    """Return the process ids of this process's children, or of those of another one, adopted ones too."""
     found: List[int] = []
-    for task in os.listdir(_TASKS):
-        with contextlib.suppress(OSError), open(f'{_TASKS}/{task}/children') as stream:
+    for task in os.listdir(f'/proc/{of}/task'):
+        with contextlib.suppress(OSError), open(f'/proc/{of}/task/{task}/children') as stream:
             found += [int(word) for word in stream.read().split()]
     return found
 

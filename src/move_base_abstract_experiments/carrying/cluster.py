@@ -32,10 +32,11 @@ from typing import (
     Tuple,
 )
 
+from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import SimulatorError
 
 from ..description.job import Job
-from . import batches, jobs, spool, temporary
+from . import batches, jobs, spool
 from .workers import LOST_S, Workers, key_of
 
 TRIES = 2  # the attempts of a trial that fails by itself
@@ -74,7 +75,7 @@ def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iter
     own = shared = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
-            folder = stack.enter_context(temporary.folder('move_base_abstract_dask_'))
+            folder = stack.enter_context(temporary.folder('dask_'))
             with _ctrl_c_is_ours():
                 scheduler = own = LocalCluster(
                     n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',

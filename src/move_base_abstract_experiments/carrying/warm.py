@@ -22,13 +22,13 @@ import socket
 import sys
 from typing import Dict, List, Optional, Sequence
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.errors import ConfigurationError
 
 from ..description import launch_files
 from ..description.job import NUMPY, ROS, Job
 from ..trials import functions, run_folders
-from . import carriers, temporary, warm_ros
+from . import carriers, warm_ros
 
 _HASH_SEED = 'PYTHONHASHSEED'
 READY = b'ready\n'
@@ -40,13 +40,13 @@ def main(words: List[str]) -> None:
     if is_new or any(os.environ.get(name) != value for name, value in processes.ONE_THREAD.items()):
         os.environ.update(processes.ONE_THREAD)
         os.execv(sys.executable, [sys.executable, '-m', __spec__.name, *words])
+    guard.stand('trials')
     processes.keep_memory()
     _import(words[:-1])
     from ..trials import execution  # noqa: F401 - so that the forks have it
     _share()
-    processes.assert_one_thread()
     processes.adopt_orphans()
-    with temporary.folder('move_base_abstract_trials_') as folder:
+    with temporary.folder('trials_') as folder:
         try:
             with socket.socket(fileno=int(words[-1])) as client:
                 _serve(client, folder)

@@ -8,10 +8,9 @@ import sys
 import time
 import xmlrpc.client
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes
 from move_base_abstract.common.errors import SimulatorError
 
-from ..process import guard
 from ..process.ros_master_watch import proxy_of
 
 _START_S = 20.0  # wall

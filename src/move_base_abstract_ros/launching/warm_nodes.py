@@ -19,10 +19,9 @@ import sys
 import tempfile
 import types
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes
 
 from ..lockstep.programs import address_layout, native_library
-from ..process import guard
 
 _FIXED = ('PYTHON', 'LD_', 'MALLOC_', 'GLIBC_', 'OMP_', 'OPENBLAS_', 'MKL_', 'BLIS_', 'NUMEXPR_', 'LC_', 'LANG', 'TZ',
           'MOVE_BASE_ABSTRACT_ADDRESS_LAYOUT')

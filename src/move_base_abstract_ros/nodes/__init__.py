@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 
-from ..process import guard
+from move_base_abstract.common import guard
 
 _GUARDED = ('demo',)  # programs that import what starts threads; others call guard.stand() themselves
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)

@@ -13,11 +13,11 @@ like this; 3 the run came to its end, but a node crashed; 4 a property is broken
 import atexit
 import sys
 
+from move_base_abstract.common import guard
 from move_base_abstract.common.lasting_output import outlive_readers
 
 from ..launching import command_line, warm_nodes
 from ..launching.scripted import rostest_case
-from ..process import guard
 from ..process.process_end import leave
 from .launch_run import launched
 

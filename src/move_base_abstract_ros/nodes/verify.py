@@ -14,10 +14,9 @@ identical, but a property is broken (--property).
 """
 import argparse
 import os
-import shutil
 import sys
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.lasting_output import outlive_readers
@@ -27,7 +26,6 @@ from move_base_abstract.common.shown import shown
 
 from ..launching import command_line, conditions, warm_nodes
 from ..loopback import LoopbackError
-from ..process import guard
 from .launch_run import launched
 
 with warm_nodes.importing():
@@ -66,7 +64,7 @@ def _verify(options, launch_words):
     """
     folder = options.output
     if folder is None:
-        folder = guard.folder('move_base_abstract_verify_')
+        folder = temporary.make('verify_')
     else:
         folder = os.path.abspath(folder)  # because nodes run in another working folder
         if os.path.isdir(folder) and os.listdir(folder):
@@ -81,9 +79,10 @@ def _verify(options, launch_words):
         return code
     finally:
         if options.output is None and code in (verification.IDENTICAL, verification.CANNOT):
-            shutil.rmtree(folder)  # this process made it above
+            temporary.remove(folder)
         else:
-            guard.keep(folder)
+            if options.output is None:
+                temporary.keep(folder)
             print('verify: logs and outputs are in {}'.format(folder), flush=True)
 
 

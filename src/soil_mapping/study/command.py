@@ -145,8 +145,8 @@ def _run(arguments: Any) -> Any:
     """Run the missing trials of the study's experiment, then write the report."""
     from yaml import safe_dump
 
+    from move_base_abstract.common import temporary
     from move_base_abstract_experiments import sweep
-    from move_base_abstract_experiments.carrying import temporary
     from move_base_abstract_experiments.results import outputs
 
     from . import trials
@@ -157,7 +157,7 @@ def _run(arguments: Any) -> Any:
     for spec in groups.specs_of(names, mission):
         trials.check(spec, with_imports=False)
     content = document(mission, names, arguments.seeds, arguments.scaled_seeds, arguments.verify, arguments.pictures)
-    with temporary.folder('move_base_abstract_study_') as folder:
+    with temporary.folder('study_') as folder:
         file = os.path.join(folder, 'experiment.yaml')
         with open(file, 'w', encoding='utf-8') as stream:
             safe_dump(content, stream, sort_keys=False, allow_unicode=True)

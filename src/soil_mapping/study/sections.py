@@ -6,7 +6,7 @@ import html
 from pathlib import Path
 from typing import Any, Iterator
 
-from move_base_abstract_experiments.carrying import temporary
+from move_base_abstract.common import temporary
 from move_base_abstract_experiments.report.parts import Html, Section, figure_of
 from soil_mapping.results.pictures import write_pictures
 from soil_mapping.results.trial_folder import read_trial
@@ -41,7 +41,7 @@ def sections(given: Any) -> Any:
 
 def _maps(trial: Any) -> Iterator[Any]:
     """Yield the pictures of a trial, as parts of the page that need no other file."""
-    with temporary.folder('move_base_abstract_study_maps_') as folder:
+    with temporary.folder('study_maps_') as folder:
         write_pictures(Path(folder), read_trial(trial.path, FILES))
         for name in MAPS:
             data = base64.b64encode((Path(folder) / f'{name}.png').read_bytes()).decode('ascii')

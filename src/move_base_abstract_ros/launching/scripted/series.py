@@ -2,7 +2,6 @@
 import contextlib
 import json
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -12,9 +11,9 @@ from multiprocessing.connection import Connection
 
 from roslaunch.core import RLException
 
+from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import ConfigurationError
 
-from ...process import guard
 from .deputised_rospy import Deputised
 
 _LOOK_S = 0.1  # wall
@@ -54,10 +53,10 @@ class Series:
         self._begin(files, log)
 
     def _begin(self, files, log):
-        folder = guard.folder('lockstep_series_')
+        folder = temporary.make('series_')
         address = os.path.join(folder, 'deputy')
         with contextlib.ExitStack() as stack:
-            stack.callback(shutil.rmtree, folder, ignore_errors=True)
+            stack.callback(temporary.remove, folder)
             door = stack.enter_context(socket.socket(socket.AF_UNIX))
             door.bind(address)
             door.listen(1)

@@ -1,16 +1,15 @@
 """The event log of a demo, and the replay page that is made from it when the demo is over."""
 import os
-import shutil
 import time
 
 import rospkg
 import rospy
 
+from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.msg import RobotEvent
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.event_log_file import End, write_event_log
-from move_base_abstract_ros.process import guard
 
 PAGE = 'demo_replay.html'
 _FOLDER = 'move_base_abstract'  # below ROS_HOME
@@ -36,14 +35,14 @@ class RunLog:
         self._listens = False
 
     def __enter__(self):
-        self._folder = guard.folder('move_base_abstract_demo_')
+        self._folder = temporary.make('demo_')
         self.path = self._kept or os.path.join(self._folder, _LOG)
         #: for files that the demo makes
         self.folder = os.path.join(self._folder, 'world')
         return self
 
     def __exit__(self, *_):
-        shutil.rmtree(self._folder, ignore_errors=True)
+        temporary.remove(self._folder)
 
     def listen(self, *topics):
         """Collect all messages on ``topics`` (RobotEvent) from now on."""

@@ -3,25 +3,22 @@ import argparse
 import json
 import os
 import re
-import shutil
 import signal
 import sys
 from contextlib import nullcontext
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from move_base_abstract.common import processes
+from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract.common.temporary_folder import temporary_folder
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 from move_base_abstract.runs import ends, error_lines
 
 from ...launching import command_line, warm_nodes
-from ...process import guard
 
 _GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
 #: parts of errors of launch files that were written for something that is not here
@@ -133,14 +130,12 @@ def read_words(words):
 
 def _run(options, files):
     """Run ``files`` [(path, arguments)], with a folder for what only this run needs; return the Launched."""
-    own = guard.folder('move_base_abstract_notes_')  # no TemporaryDirectory: forks would remove that, too
+    own = temporary.make('notes_')  # no TemporaryDirectory: forks would remove that, too
     try:
-        with nullcontext() if options.list else temporary_folder(say) as folder:
-            if folder:
-                guard.clears(folder)
+        with nullcontext() if options.list else temporary.temporary_folder(say) as folder:
             return _run_in(own, folder, options, files)
     finally:
-        shutil.rmtree(own, ignore_errors=True)
+        temporary.remove(own)
 
 
 def _run_in(own, folder, options, files):

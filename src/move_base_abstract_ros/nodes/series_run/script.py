@@ -16,10 +16,10 @@ import runpy
 import sys
 import types
 
+from move_base_abstract.common import guard
 from move_base_abstract.common.errors import SimulatorError
 
 from ...loopback import LoopbackError, find_executable
-from ...process import guard
 
 _FOLDER = 'lockstep_series_logs'
 _NO_MASTER = 'http://127.0.0.1:1/'  # no program listens there: a script must not reach a system that runs elsewhere

@@ -1,0 +1,107 @@
+"""A guard of a program that starts processes: another process, so that nothing outlives the program, even if it dies.
+
+The program goes on in a child of the guard. If it is killed, all that it has started gets the guard as parent, which
+ends them and removes the program's folders. If the guard is killed, the program gets SIGTERM, and ends as ever. If both
+are killed at once, the guard of the next program removes the folders.
+"""
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import time
+from types import SimpleNamespace
+from typing import Collection, Dict, NoReturn
+
+from . import processes, temporary
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_LOOK_S = 0.02  # wall
+#: (signal, wall time [s] that follows) for what a killed program has started; 0: the kernel has sent SIGINT
+_STEPS = ((0, 1.0), (signal.SIGINT, 2.0))
+#: in the program: the guard's process id, 0 without a guard
+_state = SimpleNamespace(pid=0)
+
+
+def stand(name: str) -> None:
+    """Make this process the guard, and return in a child of it, which is the program from now on.
+
+    The guard exits with the program's code. INT, TERM and HUP go on to the program, where TERM and HUP exit at once,
+    with a line that says why, until it handles them. SIGHUP stays ignored if it is, as under nohup. ``name`` is that of
+    the program, for messages.
+
+    :raises RuntimeError: if this process has a second thread.
+    """
+    _sweep(name)
+    processes.adopt_orphans()
+    handled = [number for number in _SIGNALS if (number, signal.getsignal(number)) != (signal.SIGHUP, signal.SIG_IGN)]
+    signal.pthread_sigmask(signal.SIG_BLOCK, {*handled, signal.SIGCHLD})
+    guard = os.getpid()
+    pid = processes.fork_on(ends_by=signal.SIGTERM)
+    if pid == 0:
+        _state.pid = guard
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, (lambda number, _frame: _exit(name, number)) if number in handled else signal.SIG_IGN)
+        return
+    temporary.let_go()
+    code = _await(pid, handled)
+    if code < 0:
+        _say(name, 'its process {} was ended by {}; all that it has started is ended'.format(
+            pid, signal.Signals(-code).name))
+    _end_orphans()
+    _sweep(name)
+    os._exit(code if code >= 0 else 1)
+
+
+def _sweep(name: str) -> None:
+    """Remove the folders of programs that were killed."""
+    temporary.remove_left()
+    temporary.clear_left(lambda line: _say(name, line))
+
+
+def _say(name: str, line: str) -> None:
+    with contextlib.suppress(OSError):
+        os.write(2, '{}: {}\n'.format(name, line).encode('utf-8', 'backslashreplace'))
+
+
+def _exit(name: str, number: int) -> NoReturn:
+    _say(name, why(number))
+    sys.exit(128 + number)
+
+
+def why(number: int) -> str:
+    """Return why the program ends by a signal, as a text."""
+    return 'its guard has ended; it ends' if has_lost() else 'ended by {}'.format(signal.Signals(number).name)
+
+
+def has_lost() -> bool:
+    """Return whether this program had a guard that has ended."""
+    return is_there() and bool(os.getppid() != _state.pid)
+
+
+def is_there() -> bool:
+    """Return whether this process is a program with a guard, or a fork of one."""
+    return bool(_state.pid)
+
+
+def _await(pid: int, handled: Collection[signal.Signals]) -> int:
+    """Wait for the end of the program; return its exit code."""
+    statuses: Dict[int, int] = {}
+    while pid not in statuses:
+        number = signal.sigwait({*handled, signal.SIGCHLD})
+        if number in handled:
+            os.kill(pid, number)
+        processes.reap(statuses)
+    return processes.code_of(statuses[pid])
+
+
+def _end_orphans() -> None:
+    for number, seconds in _STEPS:
+        deadline = time.monotonic() + seconds
+        for pid in processes.children() if number else ():
+            processes.signal_group(pid, number)
+        while processes.children() and time.monotonic() < deadline:
+            processes.reap({})
+            time.sleep(_LOOK_S)
+    processes.end_all_children()
