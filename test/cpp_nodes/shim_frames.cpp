@@ -1,16 +1,20 @@
 // tf2: it sends one frame at 20 Hz. With ~look it asks a TransformListener (with its own thread)
 // for the frame, with time-outs, too early and at the right time, and publishes results on
 // "looked". With ~listen it only listens. With ~filter it publishes when points get their
-// transform.
+// transform. With ~arrive it begins to listen then [s], and looks at that instant, after a call of
+// the service ~ask, if there is one.
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <message_filters/subscriber.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <std_srvs/Empty.h>
 #include <tf2_ros/message_filter.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <cstdio>
 #include <string>
 
 #include "teller.h"
@@ -61,6 +65,28 @@ void listen() {
   ros::spin();
 }
 
+void arrive(ros::NodeHandle& node, double seconds) {
+  (ros::Time(seconds) - ros::Time::now()).sleep();
+  const boost::function<void(const nav_msgs::OdometryConstPtr&)> hear =
+      [](const nav_msgs::OdometryConstPtr& odom) {
+        std::printf("= cpp odom %.9f %.9f %u %.9f\n", ros::Time::now().toSec(),
+                    odom->header.stamp.toSec(), odom->header.seq, odom->pose.pose.position.x);
+      };
+  const ros::Subscriber subscriber = node.subscribe<nav_msgs::Odometry>("odom", 10, hear);
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  const std::string service = ros::NodeHandle("~").param<std::string>("ask", "");
+  std_srvs::Empty empty;
+  if (!service.empty() && !ros::service::call(service, empty)) {
+    std::printf("cpp: no answer\n");
+  }
+  const auto found = buffer.lookupTransform("odom", "base_link", ros::Time::now());
+  std::printf("= cpp tf %.9f %.9f %.9f\n", ros::Time::now().toSec(), found.header.stamp.toSec(),
+              found.transform.translation.x);
+  ros::spinOnce();
+  std::fflush(stdout);
+}
+
 /** A point every 0.33 s, in the robot's frame: off the instants of the transforms. Ends after 20.
  */
 void filter(ros::NodeHandle& node) {
@@ -95,7 +121,10 @@ void filter(ros::NodeHandle& node) {
 int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "frames");
   ros::NodeHandle node;
-  if (ros::NodeHandle("~").param("look", false)) {
+  const double arrival = ros::NodeHandle("~").param("arrive", 0.0);
+  if (arrival > 0.0) {
+    arrive(node, arrival);
+  } else if (ros::NodeHandle("~").param("look", false)) {
     look();
   } else if (ros::NodeHandle("~").param("listen", false)) {
     listen();

@@ -221,14 +221,11 @@ class LockstepFleet(unittest.TestCase):
         def told(run):
             return [[kind, list(itertools.chain.from_iterable(values))] for kind, values in run.of('client')]
         one = Run('tf', TWO, fleet(TWO, own=SILENT))
-        begin = 101 * NS_PER_S
-        self.assertEqual(told(one), [
-            pairs(NS_PER_S, ('robot_0', 0.0), ('robot_1', 0.0)), pairs(begin, ('robot_0', 0.0)),
-            pairs(begin, ('robot_1', 0.0)), pairs(begin + NS_PER_S, ('robot_0', 2.0)),
-            pairs(begin + NS_PER_S, ('robot_1', 2.0))])
+        here, begin = 100 * NS_PER_S, 101 * NS_PER_S
+        events = [pairs(begin + at * NS_PER_S, (name, 2.0 * at)) for at in (0, 1) for name in TWO]
+        self.assertEqual(told(one), [pairs(here, *((name, 0.0) for name in TWO)), *events])
         two = Run('tf', TWO, fleet(TWO, parts=2, own=SILENT))
-        self.assertEqual(told(two), [pairs(NS_PER_S, ('robot_0', 0.0)), pairs(NS_PER_S, ('robot_1', 0.0)),
-                                     *told(one)[1:]])
+        self.assertEqual(told(two), [*(pairs(here, (name, 0.0)) for name in TWO), *events])
 
     def test_goals_in_frames_from_outside_in_unknown_ones_and_from_rviz(self):
         run = Run('frames', TWO[:1], fleet(TWO[:1]), [[sys.executable, '-c', DOCK]], '/tf_static')

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from functools import partial
-from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Union
+from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Tuple, Union
 
 from ..common.errors import FrameError
 from ..common.units import LAST_NS, NS_PER_S, check_reachable
@@ -22,6 +22,7 @@ from .recovery import RecoveryPolicy
 from .travel import Travel
 
 if TYPE_CHECKING:
+    from ..common.geometry import Pose2D
     from ..engine.event_queue import Series
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from ..motion.frames import RobotFrames
     from ..motion.robot import Robot
     from .client import GoalClient
-    from .ledger import GoalLedger
+    from .ledger import GoalLedger, GoalRecord
     from .outcome import Outcome
 
 __all__ = ['BadFramePolicy', 'GoalPose', 'Navigator']
@@ -332,8 +333,13 @@ class GoalFeedback:
         if record is not None and self._series is not None and not reported.is_mute:
             self._client.feedback(record, reported.pose_at(now_ns), now_ns, True)
 
-    def _tell(self, due_ns: int, _now_ns: int) -> Optional[int]:
+    def present(self, now_ns: int) -> Tuple[Optional[GoalRecord], Pose2D]:
+        """Return what feedback says at ``now_ns`` [ns]: (record, pose). The record is None if there is none to send."""
         record, reported = self._ledger.active, self._robot.reported
-        if record is None or self._ledger.is_silent or reported.is_mute:
-            return None
-        return self._client.feedback(record, reported.pose_at(due_ns), due_ns, False)
+        if self._series is None or self._ledger.is_silent or reported.is_mute:
+            record = None
+        return record, reported.pose_at(now_ns)
+
+    def _tell(self, due_ns: int, _now_ns: int) -> Optional[int]:
+        record, pose = self.present(due_ns)
+        return None if record is None else self._client.feedback(record, pose, due_ns, False)

@@ -18,6 +18,9 @@ TABLE = (
     Parameter('events_only', False, FLAG,
               'In lockstep, nothing is sent at a rate unless its own parameter says so; a namespace above counts, '
               'too.'),
+    Parameter('tell_newcomers', True, FLAG,
+              'In lockstep, who begins to listen to poses, tf, scans or feedback of robots is told the present ones; '
+              'a namespace above counts, too.'),
     Parameter('log_motion', False, FLAG,
               'In lockstep, the event log has the starts and limits of motion of robots; a namespace above counts, '
               'too.'),

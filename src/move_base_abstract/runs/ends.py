@@ -16,7 +16,7 @@ from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Pattern, Seq
 
 from . import event_log
 from .event_log import EventLogError
-from .failures import ASKED, UNASKED, UNCAUGHT
+from .failures import ASKED, FIRST_USE, UNASKED, UNCAUGHT
 from .trace import TraceEntry
 
 TIME_MASTER = '/time_master'
@@ -30,6 +30,8 @@ _BY_SHELL = 128  # if its program ended by a signal, a shell exits with this plu
 _SHOWN = re.compile(r'bad callback: |^Exception in thread |Error processing request: '
                     r'|Exception in your execute callback: |Exception thrown while processing service call: ')
 _SHUT_DOWN = re.compile(r'rospy\.exceptions\.ROSInterruptException')
+# Printed by the C++ library; whether the program had only begun to listen is not known.
+_OF_TF = re.compile(r"terminate called after throwing an instance of 'tf2::[A-Za-z]+Exception'")
 _TRACEBACK = 'Traceback (most recent call last):'
 _OF_SHUT_DOWN = (1, 130)  # the exit codes after that exception: Python's, and our launcher's
 # Matches colours, times of the wall clock and addresses.
@@ -60,6 +62,7 @@ class Log:
     def __init__(self) -> None:
         self.departures: Dict[str, Tuple[int, bool]] = {}  # {node: (time_ns, whether it died)}
         self._uncaught: Dict[str, Dict[Optional[int], Tuple[int, str]]] = {}  # the first ones, by node and number
+        self.hints: Dict[str, str] = {}  # {node: what is said of its first exceptions}
         self.is_whole = False  # whether the log has an end record
 
     def take(self, row: TraceEntry) -> None:
@@ -70,6 +73,9 @@ class Log:
         told, values = self._uncaught.setdefault(row.robot, {}), row.values
         if row.kind == UNCAUGHT:
             number = -1 - len(told)  # the numbers of jobs count from 1
+            if len(values) > 2:
+                self.hints.setdefault(row.robot, str(values[2]))
+            values = values[:2]
         else:
             number, *values = values
         if row.kind == ASKED:
@@ -162,8 +168,10 @@ def _end_of(process: Process, log: Log) -> End:
         time_ns = caught[0][0]
     code = process.code if is_early or not _is_ours(process.code) else None
     is_told = bool(whys) or bool(code)
+    hints = [log.hints[name] for name in names if name in log.hints] or [
+        FIRST_USE.format('may have begun', '/tf') for _ in filter(_OF_TF.match, process.printed)]
     return End(process.node, code, time_ns, tuple(uncaught), '; '.join(whys) or None,
-               plain_lines(process) if is_told else ())
+               (*hints, *plain_lines(process)) if is_told else ())
 
 
 def _unexpected(process: Process, died: bool) -> Optional[str]:

@@ -6,6 +6,8 @@ import re
 UNCAUGHT = 'uncaught'  # the kind of events of uncaught exceptions
 # A job has ended with an exception, and nobody has asked for its outcome yet (UNASKED), or somebody has (ASKED).
 UNASKED, ASKED = 'unasked', 'asked'
+#: what is said of an exception that may come of a subscription of the same instant
+FIRST_USE = 'it {} to listen to {} at this instant, and messages take no time; with --lookahead 0.05 they do'
 _NUMBERED = re.compile(r'(Thread|Dummy)-[0-9]+')
 
 

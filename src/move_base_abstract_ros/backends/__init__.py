@@ -7,6 +7,7 @@ A backend is made with (names, settings). It has
   that, NOBODY (0), ONLOOKERS or PARTICIPANTS;
 - ``heartbeat(pose, stamp_ns)``: publish tf, so that look-ups of the present work;
 - ``looks(pose, stamp_ns)``: publish tf at the instant of a laser scan;
+- ``follow(present)``: tell a new listener ``present()``, (pose, velocity, stamp_ns); if it is None, what was told last;
 - ``shift``: where odometry seems to begin, or None; only of backends that publish the robot's pose in tf;
 - ``restart()``: allow earlier stamps, because time starts anew; ``close()``: the robot is removed;
 - ``frames``: the frames that it publishes in tf.

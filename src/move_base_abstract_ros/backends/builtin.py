@@ -1,7 +1,8 @@
 """The built-in simulator: it publishes the robot's pose, as the core computes it, in tf and on a few topics."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
 
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
@@ -68,13 +69,23 @@ class BuiltinBackend:
             stamp_ns = told_ns + 1
         rollback.changes(self, '_tf_told')
         self._tf_told = stamp_ns, (pose, self.shift)
-        shift = self.shift
-        tf_hub.send(self._base_frame, lambda: self._transforms(pose, shift, stamp_ns))
+        tf_hub.send(self._base_frame, stamp_ns, partial(self._transforms, pose, self.shift))
 
     def looks(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
         if stamp_ns > self._tf_told[0]:
             self.heartbeat(pose, stamp_ns)
+
+    def follow(self, present: Callable[[], Optional[Tuple[Pose2D, Tuple[float, float], int]]]) -> None:
+        """Tell new listeners ``present()``: the pose, the velocity and the stamp [ns] of now, as for :meth:`place`.
+
+        None: they are told what was published last.
+        """
+        def transforms() -> Any:
+            found = present()
+            return None if found is None else (found[2], partial(self._transforms, found[0], self.shift))
+        self._poses.present = self._odometry.present = present
+        tf_hub.follow(self._base_frame, transforms)
 
     def is_heard(self) -> int:
         """Return which nodes listen to the robot's pose, other than by tf: NOBODY (0), ONLOOKERS or PARTICIPANTS."""

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Type
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, Type
 
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
@@ -91,6 +91,9 @@ class StageBackend:
     def looks(self, _pose: Pose2D, _stamp_ns: int) -> None:
         """Do nothing: Stage publishes its part of tf at each of its steps."""
 
+    def follow(self, _present: Callable[[], Any]) -> None:
+        """Do nothing: on the scaled clock a new listener gets what was told last."""
+
     def heartbeat(self, _pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf again. If Stage uses another clock, do nothing: tf must have the stamps of Stage's own part."""
         if self._stamps.is_alike:
@@ -168,7 +171,7 @@ class StageBackend:
             stamp_ns = max(stamp_ns, last_ns + 1)
             self._sent = (stamp_ns, self._tf)
             transform = self._odom_in_map.transform(self._tf, stamp_ns)
-        tf_hub.send(self._odom_frame, lambda: [transform])
+        tf_hub.send(self._odom_frame, stamp_ns, lambda _stamp_ns: [transform])
 
 
 class _StageWorld:

@@ -28,13 +28,15 @@ class LockstepClock:
     """Drives one :class:`Simulation` by the time master's grants. It is the participant's source of events.
 
     ``join()``: a function that takes part in the run, and returns the Participant when the run has begun.
+    ``tells_newcomers``: whether :meth:`newcomers_ns` returns an instant.
     """
 
-    def __init__(self, join: Callable[[], Any]) -> None:
+    def __init__(self, join: Callable[[], Any], tells_newcomers: bool = True) -> None:
         self.lock = threading.RLock()
         self.simulation: Any = None
         self.participant: Any = None
         self._join = join
+        self._tells_newcomers = tells_newcomers
         self._has_onlookers = self._ever_had_onlookers = False
         self.hearers: Any = None
         self._undone: Callable[[], str] = str
@@ -87,6 +89,14 @@ class LockstepClock:
     def look_ns(self) -> int:
         """Return the time [ns] up to which all events have run, and run none. The caller holds the lock."""
         return self.simulation.now_ns
+
+    def newcomers_ns(self) -> Optional[int]:
+        """Return the instant [ns] of the values that a new listener is told; None: those that were told last.
+
+        Onlookers come at any moment, in threads without the turn. They get what was told last.
+        """
+        tells = self._tells_newcomers and self.simulation is not None and self.participant.scheduler.acts()
+        return self.simulation.now_ns if tells else None
 
     def wall_to_ns(self, _seconds: float) -> int:
         """Return 0: in lockstep nothing waits for the wall clock."""

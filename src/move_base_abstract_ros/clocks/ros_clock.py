@@ -103,6 +103,9 @@ class RosClock:
     def record(self, _index: int) -> None:
         """Return None: only lockstep has an event log."""
 
+    def newcomers_ns(self) -> None:
+        """Return None: a new listener gets what was told last. See LockstepClock."""
+
     def note_stamp(self, _who: str, _stamp_ns: int) -> None:
         """Do nothing: no run on the scaled clock is called repeatable. See LockstepClock."""
 

@@ -39,25 +39,25 @@ _TASK_FEEDBACK_FREQUENCY = 5.0  # Hz, simulated
 def make_timing() -> Timing:
     """Return the timing of this process: LockstepTiming if the time master works in lockstep, or will do so.
 
-    :raises ConfigurationError: if ``events_only`` or ``log_motion`` is neither true nor false.
+    :raises ConfigurationError: if ``events_only``, ``log_motion`` or ``tell_newcomers`` is neither true nor false.
     """
     events_only = _switch('events_only')
     if lockstep.is_lockstep():
         return LockstepTiming(events_only, _switch('log_motion'), rospy.get_param('/time_master/chaos_seed', 0),
-                              rospy.get_param('/time_master/chaos_only', []))
+                              rospy.get_param('/time_master/chaos_only', []), _switch('tell_newcomers', True))
     if events_only:
         rospy.logwarn('%s: parameter events_only is for lockstep (/time_master/mode); it has no effect here',
                       rospy.get_name())
     return ScaledTiming()
 
 
-def _switch(name: str) -> bool:
-    """Return the value of the parameter ``name``, the node's own or the nearest one further up; False if there is none.
+def _switch(name: str, default: bool = False) -> bool:
+    """Return the parameter ``name``, the node's own or the nearest one further up; ``default`` if there is none.
 
     :raises ConfigurationError: if it is neither true nor false.
     """
     found = rospy.search_param(name)
-    value = rospy.get_param(found) if found else False
+    value = rospy.get_param(found) if found else default
     if not isinstance(value, bool):
         raise ConfigurationError('parameter {}: got {!r}; allowed: true or false'.format(found, value))
     return value
@@ -75,6 +75,8 @@ class ScaledTiming:
     status_frequency = _STATUS_FREQUENCY
     #: rate of the feedback of tasks, if no parameter sets it [Hz, simulated]
     task_feedback_frequency = _TASK_FEEDBACK_FREQUENCY
+    #: whether who begins to listen is told present values
+    tells_newcomers = False
 
     @staticmethod
     def when_heard(_is_heard: Callable[[], int]) -> None:
@@ -88,8 +90,7 @@ class ScaledTiming:
         """
         return frequency
 
-    @staticmethod
-    def make_clock() -> RosClock:
+    def make_clock(self) -> RosClock:
         """Return the clock of this process, a RosClock, which has not started."""
         return RosClock()
 
@@ -152,12 +153,13 @@ class LockstepTiming:
 
     Each message at a rate has its instant, as long as a node hears it. ``events_only``: nothing is published at a rate
     unless its own parameter sets one. ``log_motion``: robots write their limits of motion into the event log.
-    ``chaos_seed``, ``chaos_only``: those of the run, which decide how robots with ``buggify`` go wrong. The methods are
-    those of :class:`ScaledTiming`.
+    ``chaos_seed``, ``chaos_only``: those of the run, which decide how robots with ``buggify`` go wrong.
+    ``tells_newcomers``: who begins to listen is told present values. The methods are those of :class:`ScaledTiming`.
     """
 
     def __init__(self, events_only: bool = False, log_motion: bool = False, chaos_seed: int = 0,
-                 chaos_only: Sequence[Any] = ()) -> None:
+                 chaos_only: Sequence[Any] = (), tells_newcomers: bool = True) -> None:
+        self.tells_newcomers = tells_newcomers
         self.base_settings = {**(EVENTS_ONLY if events_only else {}), **({'log_motion': True} if log_motion else {}),
                               **({'buggify_seed': chaos_seed, 'buggify_only': chaos_only} if chaos_seed else {})}
         self.status_frequency = 0.0 if events_only else _STATUS_FREQUENCY  # 0: transitions only
@@ -173,11 +175,10 @@ class LockstepTiming:
         """Return 0: time would stop for each message, and a run with a participant that listens would never be idle."""
         return 0.0
 
-    @staticmethod
-    def make_clock() -> LockstepClock:
+    def make_clock(self) -> LockstepClock:
         """Return the clock of this process, a LockstepClock, which has not started."""
         clock = LockstepClock(lambda: lockstep.join(rank=rospy.get_param('~lockstep_rank', ROBOTS_RANK),
-                                                    own_threads=False))
+                                                    own_threads=False), self.tells_newcomers)
         outlets.follow_listeners(clock.listener_came, clock.listeners_changed)
         return clock
 

@@ -90,8 +90,11 @@ class Outlet(rospy.SubscribeListener):
     """A publisher of packers. It may be used from the same threads as rospy's publishers."""
 
     def __init__(self, topic: str, message_type: Type[Any], queue_size: int, tcp_nodelay: bool = False,
-                 latch: bool = False) -> None:
+                 latch: bool = False, greet: Optional[Callable[[Publish], None]] = None) -> None:
+        """``greet``: takes the place of :meth:`greet`."""
         super().__init__()
+        if greet is not None:
+            self.greet = greet  # type: ignore[assignment,method-assign]
         self._publisher = rospy.Publisher(topic, message_type, subscriber_listener=self, latch=latch,
                                           queue_size=queue_size, tcp_nodelay=tcp_nodelay)
         self._impl = self._publisher.impl
@@ -167,6 +170,22 @@ class Outlet(rospy.SubscribeListener):
         finally:
             impl.release()
 
+    def newcomer(self) -> int:
+        """Return the participant that has begun to listen last. There is one."""
+        return next(link.members[-1] for link in self._impl.connections if hasattr(link, 'members'))
+
+    @contextmanager
+    def sparing(self, are_spared: Callable[[int], bool]) -> Iterator[None]:
+        """Give a context in which nothing reaches participants for which ``are_spared(participant)``."""
+        links = [link for link in self._impl.connections if hasattr(link, 'members')]
+        for link in links:
+            link.spared = [member for member in link.members if are_spared(member)]
+        try:
+            yield
+        finally:
+            for link in links:
+                link.spared = ()
+
     def latch(self, pack: Pack) -> None:
         """Make rospy send the message that ``pack`` makes to nodes that begin to listen from now on."""
         self._impl.latch = Packed(pack)
@@ -232,6 +251,8 @@ class LatchedOutlets:
     def __init__(self) -> None:
         self._outlets: Any = ()
         self.shown: Any = None  # the values last shown
+        #: returns the values of now for a new listener; None: those that were shown last
+        self.present: Callable[[], Any] = lambda: None
         self._is_heard = False
         self._lock = threading.Lock()  # listeners come and go in threads of rospy's own
 
@@ -262,10 +283,12 @@ class LatchedOutlets:
 
     def begin(self, outlet: _Member) -> None:
         """Make the message that a new listener of ``outlet`` gets."""
+        present = self.present()
         with self._lock:  # so that an older message, made for an earlier listener, does not replace this one
             self._is_heard = True
-            if self.shown is not None:
-                outlet.latch(outlet.make(*self.shown))
+            shown = self.shown if present is None else present
+            if shown is not None:
+                outlet.latch(outlet.make(*shown))
 
     def end(self) -> None:
         """Note whether any listener is left, after one has gone."""

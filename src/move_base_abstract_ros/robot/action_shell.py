@@ -13,7 +13,7 @@ from move_base_abstract.common.units import NS_PER_S
 from .. import lockstep
 from ..messages import packing
 from ..messages.outbox import Outbox
-from ..messages.outlets import LatchedOutlet, Outlet
+from ..messages.outlets import LatchedOutlet, Outlet, Packed
 
 if TYPE_CHECKING:
     from move_base_abstract.config.rates import Rate
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from move_base_abstract.goals.ledger import GoalLedger, GoalRecord
     from move_base_abstract.goals.task_events import TaskEnded
 
+    from ..messages.outlets import Publish
     from ..messages.packing import Pack
     from .host import Host
 
@@ -68,7 +69,9 @@ class ActionShell:
         size = host.options.pub_queue_size
         self._status = LatchedOutlet(ns + '/status', GoalStatusArray, self._pack_status, size, tcp_nodelay=True)
         self._result = Outlet(ns + '/result', types.result, size, tcp_nodelay=True)
-        self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True)
+        self._feedback = Outlet(ns + '/feedback', types.feedback, size, tcp_nodelay=True, greet=self._greet)
+        #: returns the values of :meth:`publish_feedback` for a new listener of feedback, or None
+        self.present_feedback: Callable[[], Any] = lambda: None
         self.has_feedback_listeners = self._feedback.is_heard
         #: returns the nodes that listen to feedback, as Outlet.hearers does
         self.hearers = self._feedback.hearers
@@ -119,8 +122,16 @@ class ActionShell:
 
     def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int) -> None:
         """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns]."""
+        self._outbox.send(self._feedback, self._pack_feedback(record, feedback, stamp_ns))
+
+    def _pack_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int) -> Pack:
         told = self._pack(record) + feedback
-        self._outbox.send(self._feedback, lambda seq: packing.header(seq, stamp_ns) + told)
+        return lambda seq: packing.header(seq, stamp_ns) + told
+
+    def _greet(self, peer_publish: Publish) -> None:
+        present = self.present_feedback()
+        if present is not None:
+            peer_publish(Packed(self._pack_feedback(*present)))
 
     def publish_result(self, record: Union[Ended, TaskEnded], result: bytes, stamp_ns: int) -> None:
         """Publish that the goal ``record`` (GoalRecord, Ended or TaskEnded) ended at ``stamp_ns`` [ns].

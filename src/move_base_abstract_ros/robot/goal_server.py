@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Mapping
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple
 
 from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
@@ -54,6 +54,7 @@ class GoalServer:
         """
         self._navigator = navigator
         self._prefetch = prefetch
+        self._shell.present_feedback = self._present
         self._shell.open(ledger, lambda: navigator.feedback.frequency)
         self._shell.listen(self._on_goal, self._on_cancel)
 
@@ -98,8 +99,18 @@ class GoalServer:
         if self._feedback_throttle.ready() or (is_last and told != self._told):
             rollback.changes(self, '_told')
             self._told = told
-            self._shell.publish_feedback(record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns)
+            self._shell.publish_feedback(*self._values(record, pose, stamp_ns))
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
+
+    def _values(self, record: GoalRecord, pose: Pose2D, stamp_ns: int) -> Tuple[GoalRecord, bytes, int]:
+        return record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns
+
+    def _present(self) -> Optional[Tuple[GoalRecord, bytes, int]]:
+        now_ns = self._clock.newcomers_ns()
+        if now_ns is None:
+            return None
+        record, pose = self._navigator.feedback.present(now_ns)
+        return None if record is None else self._values(record, pose, now_ns)
 
     def flush(self) -> None:
         """Send now all messages that are held back."""

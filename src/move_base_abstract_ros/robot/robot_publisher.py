@@ -17,6 +17,7 @@ from ..messages.packing import ZERO_TWIST, InFrame
 from ..transforms import tf_hub
 
 if TYPE_CHECKING:
+    from move_base_abstract.common.geometry import Pose2D
     from move_base_abstract.config.rates import Rate
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.engine.event_queue import Series
@@ -40,6 +41,7 @@ class RobotPublisher:
         self._clock = host.clock
         self._robot = robot
         self._backend: Any = backend
+        backend.follow(self._present)
         self._costmaps = costmaps
         self._global_frame = settings.values['global_frame']
         self._in_global_frame = InFrame(self._global_frame)
@@ -102,6 +104,12 @@ class RobotPublisher:
             pose = self._robot.pose_at(now_ns)
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
             self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
+
+    def _present(self) -> Optional[Tuple[Pose2D, Tuple[float, float], int]]:
+        now_ns = self._clock.newcomers_ns()
+        if now_ns is None or self._robot.reported.is_mute:
+            return None
+        return self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns
 
     def restart(self) -> None:
         """Allow stamps that are earlier than those before, because time has started anew."""

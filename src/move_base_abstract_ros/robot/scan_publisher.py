@@ -1,7 +1,7 @@
 """A robot's laser scans, which are computed if any node hears them, and the pose of the laser in tf."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Callable, List, Optional, Tuple
 
 from sensor_msgs.msg import LaserScan
 
@@ -10,7 +10,7 @@ from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.sensing.laser import Laser
 
 from .. import lockstep
-from ..messages.outlets import Outlet
+from ..messages.outlets import Outlet, Packed
 from ..messages.packing import InFrame
 from ..transforms import tf_hub
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from ..backends import Backend
     from ..maps.robot_map import RobotMap
+    from ..messages.outlets import Publish
     from .host import Host
     from .names import RobotNames
 
@@ -42,7 +43,8 @@ class ScanPublisher:
         self._base_frame = settings.frame(values['robot_base_frame'])
         self._frame = settings.frame(values['scan_frame'])
         self._laser_in_base, self._in_laser = InFrame(self._base_frame, self._frame), InFrame(self._frame)
-        self._outlet = Outlet(names.topic(values['scan_topic']), LaserScan, queue_size=10)
+        self._outlet = Outlet(names.topic(values['scan_topic']), LaserScan, queue_size=10, greet=self._greet)
+        tf_hub.follow(self._frame, self._present_mount)
         self._throttle = host.throttle(values['max_pose_rate'])
         self._series = host.clock.simulation.series(robot.index, settings.laser.rate, self._tell, is_output=True,
                                                     is_heard=host.timing.when_heard(self._is_heard))
@@ -71,10 +73,21 @@ class ScanPublisher:
             with lockstep.sender(self._robot.index):
                 if not self._robot.reported.is_mute:
                     self._backend.looks(self._robot.pose_at(due_ns), due_ns)
-                mount = self._laser.settings.mount
-                tf_hub.send(self._frame, lambda: [self._laser_in_base.transform(mount, due_ns)])
+                tf_hub.send(self._frame, due_ns, self._mount)
                 self._outlet.send(lambda seq: self._pack(seq, due_ns))
         return self._clock.wall_to_ns(self._throttle.remaining())
+
+    def _mount(self, stamp_ns: int) -> List[bytes]:
+        return [self._laser_in_base.transform(self._laser.settings.mount, stamp_ns)]
+
+    def _present_mount(self) -> Optional[Tuple[int, Callable[[int], List[bytes]]]]:
+        now_ns = self._clock.newcomers_ns()
+        return None if now_ns is None else (now_ns, self._mount)
+
+    def _greet(self, peer_publish: Publish) -> None:
+        now_ns = self._clock.newcomers_ns()
+        if now_ns is not None:
+            peer_publish(Packed(lambda seq: self._pack(seq, now_ns)))
 
     def _pack(self, seq: int, stamp_ns: int) -> bytes:
         occupancy = None if self._map.check is None else self._map.check.occupancy

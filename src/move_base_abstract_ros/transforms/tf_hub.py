@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from tf2_msgs.msg import TFMessage
@@ -19,41 +20,54 @@ from ..messages.outlets import Outlet, Packed
 
 if TYPE_CHECKING:
     from ..messages.outlets import Publish
-    from ..messages.packing import Pack
 
-    Make = Callable[[], List[bytes]]
-
-
-class _TfOutlet(Outlet):
-    """The publisher of /tf; ``greet(peer_publish)`` is called for each new listener."""
-
-    def __init__(self, greet: Callable[[Publish], None]) -> None:
-        self.greet = greet  # type: ignore[assignment,method-assign]
-        super().__init__('/tf', TFMessage, queue_size=100)
+    Make = Callable[[int], List[bytes]]
 
 
 class _Hub:
     """Publishes transforms, at once or collected."""
 
     def __init__(self) -> None:
-        self._latest: Optional[Dict[str, Make]] = None
+        self._latest: Optional[Dict[str, Tuple[int, Make]]] = None
+        self._present: Dict[str, Callable[[], Optional[Tuple[int, Make]]]] = {}
+        # {key: (stamp [ns] of what newcomers of an instant were told last of it, that, these newcomers)}
+        self._met: Dict[str, Tuple[int, List[bytes], List[int]]] = {}
         self._lock = threading.RLock()
-        self._outlet: Optional[_TfOutlet] = None
-        self._collected: Optional[List[Make]] = None
+        self._outlet: Optional[Outlet] = None
+        self._collected: Optional[List[Callable[[], List[bytes]]]] = None
 
-    def send(self, key: str, make: Make) -> None:
-        """Publish the transforms ``make()`` (a list of TransformStamped as bytes), or keep them for the :meth:`batch`.
+    def send(self, key: str, stamp_ns: int, make: Make) -> None:
+        """Publish the transforms ``make(stamp_ns)``, or keep them for the :meth:`batch`.
 
-        ``key`` identifies their owner, a robot for example. Without a listener ``make`` is not called.
+        ``make(stamp_ns)`` returns a list of TransformStamped as bytes, dated ``stamp_ns`` [ns]. ``key`` identifies
+        their owner, a robot for example. Without a listener ``make`` is not called.
         """
         with self._lock:
             if self._latest is not None:
                 rollback.changes_entry(self._latest, key)
-                self._latest[key] = make
-            if self._collected is None:
-                self._publish([make])
+                self._latest[key] = stamp_ns, make
+            if self._collected is not None:
+                self._collected.append(partial(make, stamp_ns))
+            elif key in self._met and stamp_ns <= self._met[key][0]:
+                self._publish_beside_newcomers(key, stamp_ns, make)
             else:
-                self._collected.append(make)
+                self._publish([partial(make, stamp_ns)])
+
+    def _publish_beside_newcomers(self, key: str, stamp_ns: int, make: Make) -> None:
+        """Publish the transforms of an instant at which newcomers were told of them. They get only what differs.
+
+        tf takes one pose for an instant, so they get it dated 1 ns after what they were told last.
+        """
+        told_ns, told, newcomers = self._met[key]
+        outlet = self._outlet
+        assert outlet is not None  # the newcomers listen to it
+        with outlet.sparing(newcomers.__contains__):
+            self._publish([partial(make, stamp_ns)])
+        if make(told_ns) != told:
+            made = make(told_ns + 1)
+            self._met[key] = told_ns + 1, made, newcomers
+            with outlet.sparing(lambda member: member not in newcomers):
+                self._publish([lambda: made])
 
     def tell_newcomers(self) -> None:
         """Send each new listener the latest transforms of all frames, from now on."""
@@ -61,9 +75,18 @@ class _Hub:
             if self._latest is None:
                 self._latest = {}
 
+    def follow(self, key: str, present: Callable[[], Optional[Tuple[int, Make]]]) -> None:
+        """Tell new listeners ``present()``, the stamp [ns] and maker of now, if it is later than the latest of ``key``.
+
+        None: there is nothing to tell of now.
+        """
+        self._present[key] = present
+
     def forget(self, key: str) -> None:
         """Stop sending the transforms of ``key`` to new listeners."""
         with self._lock:
+            self._present.pop(key, None)
+            self._met.pop(key, None)
             if self._latest is not None:
                 self._latest.pop(key, None)
 
@@ -78,7 +101,20 @@ class _Hub:
     def _greet(self, peer_publish: Publish) -> None:
         with self._lock:
             if self._latest:
-                peer_publish(Packed(_packer(list(self._latest.values()))))
+                told = [self._told(key, *latest) for key, latest in self._latest.items()]
+                peer_publish(Packed(lambda _seq: packing.transforms([one for made in told for one in made])))
+
+    def _told(self, key: str, stamp_ns: int, make: Make) -> List[bytes]:
+        """Return what a newcomer is told of ``key``, which was last published as ``make(stamp_ns)``."""
+        present = self._present[key]() if key in self._present else None
+        if present is None or present[0] <= stamp_ns:
+            return make(stamp_ns)
+        now_ns, make = present
+        made = make(now_ns)
+        met_ns, _, newcomers = self._met.get(key, (None, None, []))
+        assert self._outlet is not None
+        self._met[key] = now_ns, made, [*(newcomers if met_ns == now_ns else ()), self._outlet.newcomer()]
+        return made
 
     @contextmanager
     def batch(self) -> Iterator[None]:
@@ -92,16 +128,12 @@ class _Hub:
                 if collected:
                     self._publish(collected)
 
-    def _publish(self, makes: Sequence[Make]) -> None:
+    def _publish(self, makes: Sequence[Callable[[], List[bytes]]]) -> None:
         if self._outlet is None:
-            self._outlet = _TfOutlet(self._greet)
-        self._outlet.send(_packer(makes))
-
-
-def _packer(makes: Sequence[Make]) -> Pack:
-    return lambda _seq: packing.transforms([transform for make in makes for transform in make()])
+            self._outlet = Outlet('/tf', TFMessage, queue_size=100, greet=self._greet)
+        self._outlet.send(lambda _seq: packing.transforms([transform for make in makes for transform in make()]))
 
 
 _HUB = _Hub()
-batch, forget, hearers, is_heard, send, tell_newcomers = (
-    _HUB.batch, _HUB.forget, _HUB.hearers, _HUB.is_heard, _HUB.send, _HUB.tell_newcomers)
+batch, follow, forget, hearers, is_heard, send, tell_newcomers = (
+    _HUB.batch, _HUB.follow, _HUB.forget, _HUB.hearers, _HUB.is_heard, _HUB.send, _HUB.tell_newcomers)

@@ -78,6 +78,7 @@ class MemberLinks:
         self.target = 0
         self.members: List[int] = []
         self._delivery: Dict[int, Delivery] = {}  # {member: Delivery} of members that do not hear all messages
+        self.spared: Sequence[int] = ()  # members to which nothing that is sent now goes
 
     def is_latching(self) -> bool:
         """Return whether the publisher's last message is kept for later listeners."""
@@ -154,8 +155,9 @@ class MemberLinks:
             self._participant.add(wire.send(self._topic, sub, target, data))
 
     def _targets(self) -> Sequence[int]:
-        if self._delivery:
-            return self._hear(getattr(_local, 'least', wire.Delivery.NEWS))
+        if self._delivery or self.spared:
+            heard = self._hear(getattr(_local, 'least', wire.Delivery.NEWS))
+            return [member for member in heard if member not in self.spared]
         return self.members if self.is_latching() else (self.target,)
 
     def fileno(self) -> None:

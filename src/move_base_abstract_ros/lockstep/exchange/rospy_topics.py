@@ -91,10 +91,14 @@ def _replace_publishing(topics: Topics) -> None:
         def _publish(self: Any, message: Any, connection_override: Optional[MemberLinks] = None) -> Optional[bool]:
             receivers = self.connections if connection_override is None else (connection_override,)
             lock = self.publock  # None when the topic is closed; rospy then raises its own error
-            if lock is None or any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers):
+            is_heard = any(topics.is_link(receiver) and receiver.is_heard for receiver in receivers)
+            is_greeting = connection_override is not None and bool(_own_listeners(self))
+            if lock is None or is_heard and not is_greeting:
                 return publish(self, message, connection_override)
             with lock:
                 number = self.seq
+                if is_heard:
+                    self.seq = number - 1  # a newcomer gets the number of the latest message; others notice nothing
                 try:
                     return publish(self, message, connection_override)
                 finally:

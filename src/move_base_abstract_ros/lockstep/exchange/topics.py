@@ -36,6 +36,7 @@ class Topics:
         self._links: Dict[int, MemberLinks] = {}
         self._publisher_links: Dict[Tuple[int, int], PublisherLink] = {}
         self._told_types: Set[str] = set()
+        self._since: Dict[str, int] = {}  # {topic: when this node began to listen to it [ns]}
         self.deliveries = Deliveries(self)
 
     def choose(self, impl: Any, what: wire.Delivery) -> None:
@@ -68,6 +69,7 @@ class Topics:
             return
         number, sub = self._number(name), creating_index()
         if reg_type == Registration.SUB:
+            self._since[name] = self._participant.now_ns
             self._participant.add(wire.subscribe(number, sub, name, impl.data_class._md5sum))
             return
         self._links[number] = MemberLinks(self._participant, number, sub, impl)
@@ -156,6 +158,16 @@ class Topics:
         for listener in impl.subscriber_listeners:
             if hasattr(listener, 'begins_to_hear'):
                 listener.hears_less() if what == wire.Delivery.NOTHING else listener.begins_to_hear()
+
+    def listens_since_now(self) -> List[str]:
+        """Return the topics to which this node began to listen at the present instant."""
+        now_ns = self._participant.now_ns
+        return [name for name, since_ns in self._since.items() if since_ns == now_ns]
+
+    def has_heard(self, name: str) -> bool:
+        """Return whether a message of a participant on the topic ``name`` has come."""
+        return any(link.stat_num_msg for (number, _), link in self._publisher_links.items()
+                   if self._names[number] == name)
 
     def is_of_participants(self, name: str) -> bool:
         """Return whether a participant publishes on a topic to which this node listens."""

@@ -9,18 +9,19 @@ from __future__ import annotations
 import logging
 import os
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Callable
+from typing import TYPE_CHECKING, Any, Callable, List
 
 import rospy
 
 from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.runs import error_lines
-from move_base_abstract.runs.failures import UNCAUGHT, words_of
+from move_base_abstract.runs.failures import FIRST_USE, UNCAUGHT, words_of
 
 from ...replacing.replaced import replace
 from ..code.own_code import is_library
 
 if TYPE_CHECKING:
+    from ..exchange.topics import Topics
     from ..participation.taking_part import Participant
 
 _state = SimpleNamespace(participant=None)
@@ -84,7 +85,23 @@ def _tell(error: Any, where: str) -> None:
     if not is_failure(error) or hasattr(error, '_lockstep_told'):
         return
     error._lockstep_told = True
-    participant.log(rospy.get_name(), UNCAUGHT, [type(error).__name__, '{}, {}'.format(where, place_of(error))])
+    participant.log(rospy.get_name(), UNCAUGHT, [
+        type(error).__name__, '{}, {}'.format(where, place_of(error)), *_of_first_use(error, participant.topics)])
+
+
+def _of_first_use(error: Any, topics: Topics) -> List[str]:
+    """Return [a text] if the program may have failed because it asks for what it only begins to listen to.
+
+    tf2 says that it knows no transform; of any other topic a program still has the None of its beginning.
+    """
+    since_now = topics.listens_since_now()
+    if any((kind.__module__, kind.__name__) == ('tf2', 'TransformException') for kind in type(error).__mro__):
+        found = [name for name in since_now if name == '/tf']
+    elif isinstance(error, (AttributeError, TypeError)) and "'NoneType'" in str(error):
+        found = [name for name in since_now if not topics.has_heard(name)]
+    else:
+        found = []
+    return [FIRST_USE.format('began', ' and '.join(found))] if found else []
 
 
 def is_failure(error: Any) -> bool:
