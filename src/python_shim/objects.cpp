@@ -168,7 +168,11 @@ void* allocateFor(Object* type, std::size_t size) {
     arena->other = *place;
     *place = arena;
   }
-  return arena == &none ? nullptr : arenas.allocate(arena, cell(kEpoch));
+  void* const object = arena == &none ? nullptr : arenas.allocate(arena, cell(kEpoch));
+  if (arenas.trouble() != 0) {
+    cells[kTrouble] = arenas.trouble();
+  }
+  return object;
 }
 
 /** @brief Leave the arenas of a type that is gone. */
@@ -365,9 +369,6 @@ int move_base_abstract_native_is_hashed_by_name(native::Object* function) {
   const auto by_address = static_cast<std::uint64_t>(native::python.hashByAddress(function));
   return known == nullptr || *known != by_address ? 1 : 0;
 }
-
-/** @return what makes addresses differ from run to run: bits of an Arenas::Trouble. */
-unsigned move_base_abstract_native_arenas_trouble() { return native::arenas.trouble(); }
 
 }  // extern "C"
 #pragma GCC visibility pop

@@ -24,6 +24,7 @@ enum Cell {
   kMayCall,     // whether Python can be called
   kNotices,     // number of notices
   kPatience,    // how long a thread may compute between two of its waits [ns of the processor]
+  kTrouble,     // what makes addresses of objects differ from run to run: bits of Arenas::Trouble
   kCells
 };
 

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Say orders, texts and numbers that addresses of objects decide, each in a way in which people write it."""
+import asyncio
 import collections
+import concurrent.futures
 import os
+import random
 import sys
 import threading
 
@@ -9,6 +12,7 @@ import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
+from std_srvs.srv import Empty
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'dist-packages'))
 import keeper  # noqa: E402 - a library, as its folder's name says
@@ -59,6 +63,10 @@ def orders():
     yield [publisher.name for publisher in publishers]
     yield keeper.names(publishers)
     yield keeper.names({publisher.publish for publisher in publishers})
+    proxies = {rospy.ServiceProxy('service_%d' % number, Empty) for number in range(9)}
+    yield [proxy.resolved_name for proxy in proxies]
+    waits = [kind() for kind in (asyncio.Event, concurrent.futures.Future, random.Random) for _ in range(5)]
+    yield [waits.index(wait) for wait in {*waits}], repr(waits[0])
     clients = [actionlib.SimpleActionClient('server_%d' % number, MoveBaseAction) for number in range(5)]
     yield [client.action_client.ns for client in sorted(clients[::-1], key=id)], keeper.names({*clients})
     yield [call() for call in {(lambda number=number: number) for number in range(30)}]  # functions

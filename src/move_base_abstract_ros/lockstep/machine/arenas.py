@@ -2,7 +2,7 @@
 
 The preloaded library (src/python_shim/objects.cpp) gives each class an arena at an address that follows from its name,
 in which objects lie in the order in which turns make them. It does so if the environment variable
-``MOVE_BASE_ABSTRACT_ARENAS`` is ``on``. Objects of the classes in :data:`LEFT_OUT`, of types made in C, and functions
+``MOVE_BASE_ABSTRACT_ARENAS`` is ``on``. Objects of classes that are left out, of types made in C, and functions
 that were a key already when this began, keep addresses that differ from run to run.
 """
 from __future__ import annotations
@@ -19,11 +19,18 @@ from move_base_abstract.lockstep import stable_hash
 
 from ..code.labels import told
 from ..programs import address_layout, native_library
+from .native import native
 
 #: the versions of Python whose types are laid out as the library knows them, and in which nothing allocates past it
 PYTHON = ((3, 11),)
-#: besides Python's library: modules of which threads without turns, or this package, make objects at any moment
-LEFT_OUT = ('move_base_abstract', 'move_base_abstract_ros', 'rosgraph', 'rospy.core', 'rospy.impl', 'rospy.msproxy')
+#: modules and packages of Python's library of which only the program makes objects; locks and threads are made by any
+#: thread that is the first to need something
+_OF_PROGRAM = frozenset(('asyncio', 'collections', 'concurrent', 'random', 'sched'))
+#: besides the rest of it: those of which ROS and this package make objects at any moment, as they connect and wait
+LEFT_OUT = ('move_base_abstract.lockstep.locks', 'move_base_abstract.lockstep.stable_hash', 'move_base_abstract_ros',
+            'rosgraph', 'rospy.core', 'rospy.msproxy', *('rospy.impl.' + name for name in (
+                'init', 'masterslave', 'paramserver', 'registration', 'rosout', 'simtime', 'statistics', 'tcpros',
+                'tcpros_base', 'tcpros_pubsub', 'transport', 'udpros')))
 _ABSENT = 'the arenas of {} cannot be used: {}'.format(address_layout.ARENAS, '{}')
 #: labels for the bits of Arenas::Trouble
 _TROUBLE = ('addresses of objects are used again, after threads that lockstep does not order have given some back',
@@ -34,7 +41,8 @@ _PLAIN = frozenset((str, int, type, type(None)))
 
 class _Arenas:
     library: Any = None
-    told = 0
+    trouble: Any = (0,)  # bits of Arenas::Trouble
+    told = 0  # those that have been told
 
 
 def install(environment: Mapping[str, str]) -> None:
@@ -59,7 +67,8 @@ def _begin(is_random: bool) -> Optional[str]:
     for name in ('arenas_of', 'hashed', 'is_hashed_by_name'):
         getattr(library, 'move_base_abstract_native_' + name).argtypes = [ctypes.py_object]
     in_use = _functions_in_use()
-    left_out = ''.join('\n' + name for name in (*vars(sys)['stdlib_module_names'], *LEFT_OUT)) + '\n'
+    of_python = sorted(vars(sys)['stdlib_module_names'] - _OF_PROGRAM)
+    left_out = ''.join('\n' + name for name in (*of_python, *LEFT_OUT)) + '\n'
     failed = library.move_base_abstract_native_arenas(ctypes.py_object(_Arenas), int(is_random),
                                                       left_out.encode())
     if failed:
@@ -69,7 +78,7 @@ def _begin(is_random: bool) -> Optional[str]:
     for kind in _classes(object, set()):
         library.move_base_abstract_native_arenas_of(kind)
     library.move_base_abstract_native_arenas_has.argtypes = [ctypes.c_void_p]
-    _Arenas.library = library
+    _Arenas.library, _Arenas.trouble = library, native.trouble()
     stable_hash.placed.knows = _knows
     return None
 
@@ -136,7 +145,7 @@ def follow(participant: Any) -> None:
 
 
 def _tell() -> None:
-    trouble = _Arenas.library.move_base_abstract_native_arenas_trouble()
+    trouble = _Arenas.trouble[0]
     if trouble != _Arenas.told:
         for bit, text in enumerate(_TROUBLE):
             if trouble & ~_Arenas.told & 1 << bit:

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from ..participation.taking_part import Participant
 
 #: numbers of the library, in the order of src/python_shim/run.h
-_NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _CELLS = range(11)
+_NOW, _SLEPT, _DATE, _UPTIME, _PROCESSOR, _EPOCH, _IS_FOLLOWED, _MAY_CALL, _NOTICES, _PATIENCE, _TROUBLE, \
+    _CELLS = range(12)
 _BEFORE, _AS_NODE = 1, 2  # epochs: before the program takes part, and from then on
 _STRAY_CLOCK, _STRAY_CHANCE, _COMPUTES, _TIMES, _USAGE, _LOAD, _SYSTEM, _WAKES, _PROCESS, _NUMBER, _DEVICE, _ENTROPY, \
     _WORKERS = range(13)
@@ -120,6 +121,10 @@ class Native:
     def is_there(self) -> bool:
         """Whether this process has the library."""
         return self.cells is not None
+
+    def trouble(self) -> Any:
+        """Return a sequence of one number: the bits that say what makes addresses in arenas differ from run to run."""
+        return self.cells[_TROUBLE:_TROUBLE + 1]
 
     def slept_ns(self) -> Any:
         """Return a sequence of one number, which both sides use: how far the clocks have gone on by themselves [ns]."""
