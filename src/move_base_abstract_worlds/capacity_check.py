@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .world import Drivers, World
 
 _MOST_CIRCLES = 5_000
+_MOST_LANES = 3_000  # the time goes with the square of their number, 10 s for these
 _SLACK = 0.01  # m; boxes are larger than their content by this much
 
 
@@ -43,6 +44,11 @@ def check_capacities(world: World) -> Iterator[Finding]:
     rules = world.scenario.traffic
     for drivers in world.drivers if rules.policy is not DeadlockPolicy.AVOID and areas.touch() else ():
         if drivers.planner is None:
+            continue
+        if drivers.lanes is not None and len(drivers.lanes.edges) > _MOST_LANES:
+            yield Finding('not_checked', 'capacities', 'the net has {} lanes; capacities are checked on at most '
+                          '{}'.format(len(drivers.lanes.edges), _MOST_LANES), os.path.basename(drivers.lanes.source),
+                          'check a part of the net')
             continue
         pairs = list(dict.fromkeys(_pairs(world, drivers, areas.has_zones or rules.blocks > 1)))
         if len(pairs) > MOST_WAYS:
@@ -76,6 +82,7 @@ class Areas:
             zones.append(self._add(Area('zone', zone.name, zone.capacity, zone.outline, group),
                                    '{}: zones[{}]'.format(self._file, index), line))
         self._index = ZoneIndex(zones)
+        self._nodes = {source: {(pose.x, pose.y) for pose in net.nodes.values()} for source, net in world.nets.items()}
         self._lanes = {}
         for source, net in world.nets.items():
             for index, edge in enumerate(net.edges):
@@ -154,8 +161,9 @@ class Areas:
                    and stay.area.outline.contains(*begin)]
         if drivers.lanes is not None:
             on_lanes = stays_on_lanes(leg, lambda edge: self._lanes.get((drivers.lanes.source, edge)))
-            is_at_node = any(abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
-                             for pose in drivers.lanes.nodes.values())
+            is_at_node = begin in self._nodes[drivers.lanes.source] or any(
+                abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
+                for pose in drivers.lanes.nodes.values())
             at_rest += [stay.area for stay in on_lanes if stay.begin <= BORDER and not is_at_node]
             stays += on_lanes  # a robot that ended its last goal on a lane still has its room there
         held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)

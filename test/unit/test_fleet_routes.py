@@ -6,6 +6,7 @@ import random
 import numpy as np
 import pytest
 
+from move_base_abstract.common import kept
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
@@ -213,7 +214,7 @@ def test_what_is_kept_of_ways_is_bounded_however_long_the_fleet_drives(monkeypat
     assert grid_planner._FIELDS_BYTES + grid_planner._WAVES_BYTES <= 96 * 1024 * 1024  # as the page says
     occupancy, pick, counts = area(WALL), random.Random(4), []
     monkeypatch.setattr(grid_planner, '_FIELDS_BYTES', 5 * 14 * 14)
-    monkeypatch.setattr(grid_planner, '_KEPT_WAYS', 20)
+    monkeypatch.setattr(kept, 'LEAST', kept.MOST_CORNERS // 20)  # so that it keeps 20 ways
 
     def next_goal(robot, *_):
         if ended[0] % 150 == 0:

@@ -5,6 +5,7 @@ import random
 import numpy as np
 import pytest
 
+from move_base_abstract.common import kept
 from move_base_abstract.maps.cost_field import CostField
 from move_base_abstract.maps.grid_planner import GridPlanner, MapWays
 from move_base_abstract.maps.map_check import TEXT_OFF_MAP, MapCheck
@@ -162,7 +163,7 @@ def test_robots_of_one_radius_share_what_is_found_on_a_map():
 
 def test_fields_beyond_what_is_kept_are_made_again(monkeypatch):
     monkeypatch.setattr('move_base_abstract.maps.grid_planner._FIELDS_BYTES', 1)
-    monkeypatch.setattr('move_base_abstract.maps.grid_planner._KEPT_WAYS', 1)
+    monkeypatch.setattr(kept, 'LEAST', kept.MOST_CORNERS)  # so that it keeps one way
     ways = MapWays(the_map := occupancy(walled()), 0.0)
     goals = [Pose2D(8.5, 5.5), Pose2D(9.5, 8.5)]
     first = [ways.corners(Pose2D(2.5, 5.5), goal) for goal in goals]

@@ -19,7 +19,7 @@ from .geometry import Pose2D, pose_of
 from .input_files import open_input
 from .kinds import as_number, error, similar
 from .map_images import ImageRule, MapMode
-from .pnm_files import BYTES_MAX, is_pnm, read_pnm
+from .pnm_files import BYTES_MAX, check_size, is_pnm, read_pnm
 from .shown import shown_text
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _FLAGS = {0: False, 1: True}  # this allows false and true, too, which are equal
 _CONVERSIONS = {'1': 'L', 'L': 'L', 'LA': 'RGBA', 'La': 'RGBA', 'P': 'RGB', 'PA': 'RGBA', 'RGB': 'RGB',
                 'RGBA': 'RGBA', 'RGBX': 'RGB', 'CMYK': 'RGB', 'YCbCr': 'RGB'}
 _GREY_16 = ('I', 'I;16', 'I;16B', 'I;16L')
+_STRIP = 256  # rows
 _Chosen = TypeVar('_Chosen')
 
 
@@ -127,6 +128,7 @@ def read_pixels(path: StrPath) -> Any:
             if is_pnm(stream):
                 return read_pnm(path, stream)
             with Image.open(stream) as image:
+                check_size(path, image.height, image.width)
                 image.load()
                 return _to_channels(path, image)
     except Image.UnidentifiedImageError:
@@ -139,11 +141,14 @@ def read_pixels(path: StrPath) -> Any:
 
 
 def _to_channels(path: StrPath, image: Any) -> Any:
-    if image.mode in _GREY_16:
-        return (np.asarray(image).astype(np.uint16) >> 8).astype(np.uint8)[:, :, np.newaxis]
-    if image.mode not in _CONVERSIONS:
+    if image.mode not in _GREY_16 and image.mode not in _CONVERSIONS:
         raise ConfigurationError("{}: got an image with the mode '{}'; allowed: grey, colour or palette images with 8 "
                                  'bits a value, with or without alpha'.format(path, image.mode))
-    mode = 'RGBA' if 'transparency' in image.info else _CONVERSIONS[image.mode]
-    pixels = np.asarray(image.convert(mode))
-    return pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
+    mode = None if image.mode in _GREY_16 else 'RGBA' if 'transparency' in image.info else _CONVERSIONS[image.mode]
+    pixels: Any = np.empty((image.height, image.width, len(mode or 'L')), np.uint8)
+    # In strips, since a conversion of the whole takes several times the memory of the pixels.
+    for top in range(0, image.height, _STRIP):
+        strip = image.crop((0, top, image.width, min(top + _STRIP, image.height)))
+        shades = np.asarray(strip).astype(np.uint16) >> 8 if mode is None else np.asarray(strip.convert(mode))
+        pixels[top:top + _STRIP] = shades.reshape(pixels[top:top + _STRIP].shape)
+    return pixels

@@ -32,6 +32,13 @@ def is_pnm(stream: IO[bytes]) -> bool:
     return magic in CHANNELS
 
 
+def check_size(path: StrPath, rows: int, columns: int) -> None:
+    """Check that an image has no more pixels than are read. :raises ConfigurationError: if it has more."""
+    if rows * columns > PIXELS_MAX:
+        raise ConfigurationError('{}: the image is too large: got {} x {} pixels; allowed: {} in all'.format(
+            path, columns, rows, PIXELS_MAX))
+
+
 def read_pnm(path: StrPath, stream: IO[bytes]) -> Any:
     """Return the pixels of a PGM or PPM file: uint8, 0 to 255, (rows from the top, columns, 1 or 3 channels).
 
@@ -44,9 +51,7 @@ def read_pnm(path: StrPath, stream: IO[bytes]) -> Any:
     if header is None or not (columns and rows and greatest):
         raise ConfigurationError('{}: is not an image of a known kind, or its header is damaged; allowed: PGM, PNG and '
                                  'other common formats'.format(path))
-    if rows * columns > PIXELS_MAX:
-        raise ConfigurationError('{}: the image is too large: got {} x {} pixels; allowed: {} in all'.format(
-            path, columns, rows, PIXELS_MAX))
+    check_size(path, rows, columns)
     if greatest > 255:
         raise ConfigurationError('{}: got an image with more than 8 bits a value; allowed: grey, colour or palette '
                                  'images with 8 bits a value, with or without alpha'.format(path))

@@ -3,8 +3,9 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
+from ..common.kept import Kept, corners_of
 from .cost_field import CostField
 from .occupancy import OccupancyMap
 from .planning import StraightLinePlanner, WorldBounds
@@ -23,7 +24,6 @@ _WAVES_BYTES = 32 * 1024 * 1024  # the memory for waves that can go on; other wa
 _WAVE_BYTES = 6  # the memory per cell for a wave that can go on
 _DIGITS = 6  # the decimals of corners [m]: micrometres hide the rounding of a rotated map's angle
 _LEAST_RESOLUTION = 0.001  # m; with smaller cells, a micrometre is not much less than 1/256 of a cell
-_KEPT_WAYS = 10_000  # the least recently found one is dropped first
 
 #: a point in parts of a cell, see PlanningGrid
 Cell = Tuple[int, int]
@@ -43,7 +43,7 @@ class MapWays:
         self._waves = max(2, _WAVES_BYTES // (_WAVE_BYTES * len(self.grid.free)))
         self._fields: Ordered[int, CostField] = OrderedDict()  # {cell of a goal: CostField}
         self._shorteners: Dict[int, Shortener] = {}  # {cell of a goal: Shortener for the latest point in it}
-        self._ways: Ordered[Any, Optional[Corners]] = OrderedDict()  # {(start, goal): corners}
+        self._ways: Callable[..., Optional[Corners]] = Kept(self._find, corners_of)
 
     @classmethod
     def on(cls, occupancy: OccupancyMap, radius: float, unknown_is_free: bool = True) -> MapWays:
@@ -61,12 +61,7 @@ class MapWays:
         If the robot stands where its centre must not be, but is no further from a free cell than its radius plus a
         cell, it first goes straight to the nearest free cell.
         """
-        places = self._place(start), self._place(goal)
-        if places not in self._ways:
-            self._ways[places] = self._find(*places)
-            if len(self._ways) > _KEPT_WAYS:
-                self._ways.popitem(last=False)
-        return self._ways[places]
+        return self._ways(self._place(start), self._place(goal))
 
     def leads(self, start: Pose2D, goal: Pose2D) -> bool:
         """Return whether there is a way from ``start`` to ``goal``. This is fast for one start and many goals."""

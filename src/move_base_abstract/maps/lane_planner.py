@@ -3,12 +3,12 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from functools import lru_cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from ..common.kept import Kept, corners_of
 from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
 from ..motion.route import segments_along
@@ -25,9 +25,7 @@ if TYPE_CHECKING:
     from .map_check import MapCheck
     from .priced_ways import Prices
 
-_KEPT_WAYS = 10_000
 _KEPT_NETS = 64
-_KEPT_PLACES = 10_000
 _KEPT_TIMES = 2_000_000  # times from nodes to goal nodes
 _FREE = PieceLimit()
 
@@ -97,9 +95,10 @@ class LaneWays:
                   for index, (one, other) in enumerate(zip(lane.points, lane.points[1:]))]
         self._pieces = np.array(pieces, float).reshape(len(pieces), 6)
         # Robots go to the same places again and again.
-        self._found: Callable[..., Optional[PlannedWay]] = lru_cache(_KEPT_WAYS)(self._find)
-        self._nearest: Callable[[Tuple[float, float]], Tuple[str, bool]] = lru_cache(_KEPT_PLACES)(self._find_nearest)
-        self._accesses: Callable[..., Tuple[_Access, ...]] = lru_cache(_KEPT_PLACES)(self._find_accesses)
+        self._found: Callable[..., Optional[PlannedWay]] = Kept(self._find, corners_of)
+        self._nearest: Callable[[Tuple[float, float]], Tuple[str, bool]] = Kept(self._find_nearest, len)
+        self._accesses: Callable[..., Tuple[_Access, ...]] = Kept(
+            self._find_accesses, lambda accesses: sum(len(access.pieces) for access in accesses))
 
     @classmethod
     def on(cls, lane_map: LaneMap, max_speed: float) -> LaneWays:
@@ -141,7 +140,7 @@ class LaneWays:
         candidates = self._along_one_lane(start, goal)
         priced: Dict[Tuple[str, str], List[_Lane]] = {}
         for first in self._accesses(start):
-            for last in self._accesses(goal, to_goal=True):
+            for last in self._accesses(goal, True):
                 times = self._towards(last.node).times
                 cost = times.get(first.node)
                 if cost is not None and prices is not None:

@@ -5,6 +5,7 @@ be done. So the order in which messages of one instant arrive changes nothing.
 """
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError, SimulatorError
@@ -85,7 +86,8 @@ class Dispatcher:
         self._take_row = tell
         self._charging = Charging(settings, chargers, distance, self._send, self._tell)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
-        self._in_turn: Optional[List[OpenOrder]] = None  # the same by priority, then arrival; None: must be made again
+        self._in_turn: List[OpenOrder] = []  # the same by priority, then arrival
+        self._turns: List[Tuple[int, int]] = []  # by which they are sorted
         self._seen: Dict[str, int] = {}  # {id: number of times that the order was assigned to a robot}
         self._refused: Dict[str, None] = {}  # the ids of orders that cannot be done
         self._commands: Dict[str, Command] = {}
@@ -132,8 +134,7 @@ class Dispatcher:
         self._seen[order.order_id] = 0
         self._refused.pop(order.order_id, None)  # it has come again, put right
         deadline_ns = None if order.deadline_ns is None else now_ns + order.deadline_ns
-        self._in_turn = None
-        self._open[order.order_id] = OpenOrder(order, now_ns, deadline_ns, 0, 0)
+        self._put(OpenOrder(order, now_ns, deadline_ns, 0, 0))
         stops = [value for stop in order.stops for value in (stop.place, stop.pose.x, stop.pose.y, stop.action)]
         self._tell(rows.DISPATCHER, 'order_arrived', order.order_id, order.priority, deadline_ns or 0, *stops)
 
@@ -227,8 +228,7 @@ class Dispatcher:
         if tried >= self._settings.attempts:
             self._tell_done(robot, one, rows.FAILED, now_ns)
             return
-        self._in_turn = None
-        self._open[one.order.order_id] = one._replace(tried=tried, next_stop=stop)
+        self._put(one._replace(tried=tried, next_stop=stop))
 
     def _drive(self, robot: RobotState) -> None:
         one: Any = robot.order
@@ -255,8 +255,6 @@ class Dispatcher:
                 and not robot.must_charge and not robot.goal_id]
         if not free or not self._open:
             return
-        if self._in_turn is None:
-            self._in_turn = sorted(self._open.values(), key=lambda one: (-one.order.priority, one.arrived_ns))
         question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
                             [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
                              and not robot.must_charge], now_ns, self._distance)
@@ -284,15 +282,27 @@ class Dispatcher:
         if not 0 < len(faults) < len(question.orders):
             return []
         for order_id, fault in faults.items():
-            del self._open[order_id]
+            self._take_out(order_id)
             self._refused[order_id] = None
             self._tell(rows.DISPATCHER, 'order_refused', order_id, fault)
-        self._in_turn = None
         return [one for one in question.orders if one.order.order_id not in faults]
 
+    def _put(self, one: OpenOrder) -> None:
+        """Have an order open: it comes after those of its priority and instant."""
+        turn = _turn(one)
+        at = bisect_right(self._turns, turn)
+        self._turns.insert(at, turn)
+        self._in_turn.insert(at, one)
+        self._open[one.order.order_id] = one
+
+    def _take_out(self, order_id: str) -> None:
+        """Have an order no longer open."""
+        one = self._open.pop(order_id)
+        at = self._in_turn.index(one, bisect_left(self._turns, _turn(one)))
+        del self._turns[at], self._in_turn[at]
+
     def _begin(self, robot: RobotState, one: OpenOrder, now_ns: int) -> None:
-        del self._open[one.order.order_id]
-        self._in_turn = None
+        self._take_out(one.order.order_id)
         self._charging.leave(robot)
         robot.tried_now.clear()
         robot.begin(one, now_ns)
@@ -306,7 +316,7 @@ class Dispatcher:
 
         :raises PolicyError: if the policy fails, or chooses something that cannot be done.
         """
-        known, orders, found = {robot.name: robot for robot in free}, dict(self._open), []
+        known, taken, found = {robot.name: robot for robot in free}, set(), []
         try:
             pairs = [(str(robot), str(order)) for robot, order in self._policy.choose(question)]
         except (ConfigurationError, MemoryError):
@@ -315,7 +325,8 @@ class Dispatcher:
             raise PolicyError('the policy {} has failed: {}: {}'.format(
                 type(self._policy).__name__, type(error).__name__, error)) from error
         for robot, order in pairs:
-            one: Optional[OpenOrder] = orders.pop(order, None)
+            one = None if order in taken else self._open.get(order)
+            taken.add(order)
             state = known.pop(robot, None)
             if one is None or state is None:
                 raise PolicyError('the policy {} chose {} for {}; allowed: a robot of question.robots and an order of '
@@ -330,3 +341,8 @@ class Dispatcher:
     def _tell_stop(self, robot: RobotState, what: str) -> None:
         one: Any = robot.order
         self._tell(robot.name, 'order_stop', one.order.order_id, robot.stop + 1, what)
+
+
+def _turn(one: OpenOrder) -> Tuple[int, int]:
+    """Return by what open orders are sorted: higher priority, then earlier arrival."""
+    return -one.order.priority, one.arrived_ns

@@ -100,7 +100,7 @@ def read_log(path: str) -> Log:
     log = Log()
     try:
         with event_log.opened(path) as events:
-            for row in events.rows():
+            for row in events.rows(KINDS):
                 log.take(row)
     except (OSError, EventLogError):
         return log

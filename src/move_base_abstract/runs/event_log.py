@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ..common.type_names import StrPath
 
 FORMAT = 1
+_ENDS = ('{"end"', '# ')  # how end records begin
 CSV_COLUMNS = ['time_ns', 'robot', 'kind', 'values']
 
 
@@ -103,13 +104,19 @@ class EventLog:
             yield Event(row.time_ns, row.robot, row.kind, json.dumps(row.values, sort_keys=True), number,
                         line.rstrip('\r\n'))
 
-    def rows(self) -> Iterator[TraceEntry]:
-        """Yield each event as a row, with its values as a list; this costs less than to iterate over the log."""
-        return (row for _, _, row in self._numbered())
+    def rows(self, words: Tuple[str, ...] = ()) -> Iterator[TraceEntry]:
+        """Yield each event as a row, with its values as a list; this costs less than to iterate over the log.
 
-    def _numbered(self) -> Iterator[Tuple[int, str, TraceEntry]]:
+        With ``words``, lines that have none of them are counted but not understood, which costs a tenth.
+        """
+        return (row for _, _, row in self._numbered(words))
+
+    def _numbered(self, words: Tuple[str, ...] = ()) -> Iterator[Tuple[int, str, TraceEntry]]:
         """Yield (number of the line, line, row) of each event."""
         for number, line in self._lines:
+            if words and not (line.startswith(_ENDS) or any(word in line for word in words)) and line.endswith('\n'):
+                self.events += 1
+                continue
             record = self._record(number, line)
             if self.end is not None:
                 raise self._error(number, 'there is text after the end record', line)

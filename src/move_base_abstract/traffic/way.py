@@ -1,7 +1,6 @@
 """Where on its way a robot enters zones and lanes, and where it leaves them: distances along a leg, in order."""
 from __future__ import annotations
 
-from functools import lru_cache
 from itertools import accumulate
 from math import hypot
 from typing import (
@@ -19,12 +18,11 @@ from typing import (
     Tuple,
 )
 
+from ..common.kept import Kept
 from .outline import BORDER
 
 if TYPE_CHECKING:
     from .area import Area
-
-_KEPT_WAYS = 10_000
 
 
 class Stay(NamedTuple):
@@ -47,7 +45,7 @@ class ZoneIndex:
     """Finds zones by coordinates: ``areas`` (Area, ...), which have outlines, in the order in which they are given."""
 
     def __init__(self, areas: Iterable[Any]) -> None:
-        self._stays: Callable[..., Tuple[Stay, ...]] = lru_cache(_KEPT_WAYS)(lambda way: tuple(self._find_stays(way)))
+        self._stays: Callable[..., Tuple[Stay, ...]] = Kept(lambda way: tuple(self._find_stays(way)), len)
         self._boxes = sorted(((*area.outline.box, number, area) for number, area in enumerate(areas)),
                              key=lambda box: box[0])
 
