@@ -8,6 +8,7 @@ NS_PER_S = 1_000_000_000
 LAST_NS = (2 ** 31 - 1) * NS_PER_S
 #: the farthest position on each axis [m]: beyond, a float no longer tells millimetres apart, and sums overflow
 FARTHEST_M = 1e9
+_MOST_SHOWN = NS_PER_S * 10 ** 300  # [ns]; seconds must be a float
 
 
 def seconds_to_ns(seconds: float) -> int:
@@ -28,5 +29,5 @@ def check_reachable(time_ns: int, what: str) -> None:
     :raises ValueError: if simulated time ends before; the text begins with ``what``.
     """
     if time_ns > LAST_NS:
-        raise ValueError('{} at {:.10g} s, simulated time ends at {} s'.format(
-            what, time_ns / NS_PER_S, LAST_NS // NS_PER_S))
+        at = '{:.10g} s'.format(time_ns / NS_PER_S) if time_ns < _MOST_SHOWN else 'more than 1e300 s'
+        raise ValueError('{} at {}, simulated time ends at {} s'.format(what, at, LAST_NS // NS_PER_S))
