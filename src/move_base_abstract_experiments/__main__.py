@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import sys
 
-from move_base_abstract.common import lasting_output, processes
+from move_base_abstract.common import guard, lasting_output, processes
 
 from . import command
 
@@ -14,6 +14,7 @@ from . import command
 def main() -> None:
     """Run the command line and exit with its code."""
     lasting_output.outlive_readers()
+    guard.stand('experiment')
     processes.finish(command.main(sys.argv[1:]))
 
 

@@ -27,7 +27,8 @@ def exit_code(program: str, act: Callable[[], int]) -> int:
 @contextlib.contextmanager
 def _ended_as_by_ctrl_c() -> Iterator[None]:
     """Let SIGTERM and SIGHUP act like Ctrl-C inside the context. SIGHUP stays ignored if it is, as under nohup."""
-    numbers = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) == signal.SIG_DFL]
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    numbers = [number for number, handler in before.items() if handler != signal.SIG_IGN]
 
     def interrupt(_number: int, _frame: Any) -> None:
         for number in numbers:  # further signals must not interrupt the end itself
@@ -39,4 +40,4 @@ def _ended_as_by_ctrl_c() -> Iterator[None]:
         yield
     finally:
         for number in numbers:
-            signal.signal(number, signal.SIG_DFL)
+            signal.signal(number, before[number])

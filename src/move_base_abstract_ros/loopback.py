@@ -98,8 +98,8 @@ class Loopback:
     def __enter__(self) -> Loopback:
         try:
             self._start_master()
-        except BaseException:
-            self.close(keep_logs=True)
+        except BaseException as error:
+            self.close(keep_logs=isinstance(error, Exception))
             raise
         return self
 

@@ -131,7 +131,7 @@ class Client:
 
     def workers(self):
         """Return the worker processes."""
-        return [one for one in psutil.Process(self.process.pid).children()
+        return [one for one in psutil.Process(self.process.pid).children(recursive=True)
                 if any('spawn_main' in word for word in one.cmdline())]
 
     def left(self):

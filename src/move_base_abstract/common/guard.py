@@ -66,6 +66,8 @@ def _say(name: str, line: str) -> None:
 
 
 def _exit(name: str, number: int) -> NoReturn:
+    for other in (signal.SIGTERM, signal.SIGHUP):  # they must not interrupt the end itself
+        signal.signal(other, signal.SIG_IGN)
     _say(name, why(number))
     sys.exit(128 + number)
 
