@@ -66,11 +66,12 @@ void Departures::lose(MemberId id) {
   const auto found = run_.members.find(id);
   const bool is_unknown = found != run_.members.end() && !found->second.departing &&
                           !found->second.crashing && run_.rounds.started() && !run_.rounds.ended();
+  const bool may_be_kept = is_unknown && mayKeep(id);
   const std::string killed =
       run_.text.quoted(id) + " ended" + run_.text.at() +
       " without a word, as a process that somebody kills when the wall clock says so";
   die(id, "its connection was lost");
-  if (is_unknown && run_.interruption.isActive()) {
+  if (may_be_kept) {
     run_.interruption.keep({Interruption::Label::Kind::kInput, id, killed});
   } else if (is_unknown) {
     run_.labels.addNotRepeatable(killed);
@@ -83,6 +84,7 @@ void Departures::die(MemberId id, const std::string& how) {
     return;  // it has left: its process may end
   }
   const MemberState& state = *run_.rounds.members().find(id);
+  const bool may_be_kept = mayKeep(id);
   const std::string why = run_.text.quoted(id) + " died" + run_.text.at() + ": " + how +
                           (state.owes ? " while it owed " + run_.text.owed(state) : "");
   found->second.dead = true;
@@ -92,11 +94,18 @@ void Departures::die(MemberId id, const std::string& how) {
     run_.messages.say(LockstepMessage::Level::kWarn, why);
     return;
   }
-  if (run_.interruption.isActive()) {  // a process that does not handle the signal dies of it
+  if (may_be_kept) {  // a process that does not handle the signal dies of it
     run_.interruption.keep({Interruption::Label::Kind::kDied, id, why});
   } else {
     end_.degrade(why);
   }
+}
+
+/** @return whether a label for the death of a member counts only if the run goes on without others.
+ * What it owes of the last round is lost in any case. */
+bool Departures::mayKeep(MemberId id) const {
+  return run_.interruption.isActive() &&
+         !(run_.rounds.isFinishing() && run_.rounds.members().find(id)->owes);
 }
 
 bool Departures::holdTime() {

@@ -58,6 +58,7 @@ class Departures {
   void endTogether();
   void goOnWithoutSome();
   bool goesOnWithout(MemberId id) const;
+  bool mayKeep(MemberId id) const;
 
   LockstepRun& run_;
   RunEnd& end_;

@@ -27,13 +27,7 @@ void RunLabels::addNotRepeatable(const std::string& why) {
   const std::string added = addLabel(not_repeatable_, why);
   if (!added.empty()) {
     messages_.say(LockstepMessage::Level::kInfo, "the run is not repeatable: " + added);
-    keepFirst("not repeatable: " + added);
-  }
-}
-
-void RunLabels::keepFirst(const std::string& label) {
-  if (first_.empty()) {
-    first_ = label;
+    first_ = first_.empty() ? "not repeatable: " + added : first_;
   }
 }
 
@@ -44,7 +38,7 @@ void RunLabels::addDegraded(const std::string& why) {
   std::sort(degraded_.begin(), degraded_.end());
   if (!added.empty()) {
     messages_.say(LockstepMessage::Level::kWarn, "the run is degraded: " + added);
-    keepFirst("degraded: " + added);
+    first_ = not_repeatable_.empty() ? "degraded: " + degraded_.front() : first_;
   }
 }
 

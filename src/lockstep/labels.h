@@ -29,7 +29,7 @@ class RunLabels {
 
   /**
    * @return the first label of all, as "not repeatable: why" or "degraded: why"; '' if there is
-   * none.
+   * none. Of labels of the second kind the first one as they are sorted.
    */
   const std::string& first() const { return first_; }
   const std::vector<std::string>& notRepeatable() const { return not_repeatable_; }
@@ -37,8 +37,6 @@ class RunLabels {
   const std::vector<std::string>& degraded() const { return degraded_; }
 
  private:
-  void keepFirst(const std::string& label);
-
   MessageList& messages_;
   std::string first_;
   std::vector<std::string> not_repeatable_;

@@ -92,7 +92,9 @@ void RunEnd::loseRosMaster(const std::string& how) {
 }
 
 void RunEnd::endIfLabelled() {
-  if (!run_.rounds.ended() && isLabelledStrictly()) {
+  // Which of several deaths at one instant is noticed first is chance: all of them are awaited.
+  const bool is_sure = run_.rounds.settled() || !run_.labels.notRepeatable().empty();
+  if (!run_.rounds.ended() && isLabelledStrictly() && is_sure) {
     endAtOnce("strict, and the run is " + run_.labels.first() + " (noticed" + run_.text.at() + ")");
   }
 }

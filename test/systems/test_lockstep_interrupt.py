@@ -1,5 +1,6 @@
 """SIGINT and SIGTERM in lockstep: the end of a whole run causes no label, in any order; the end of one node does."""
 
+import functools
 import os
 import signal
 import unittest
@@ -7,6 +8,7 @@ import unittest
 from lockstep_library_run import Run, Runs, read, wait_for_end
 from waiting import wait_for, wait_for_words
 
+from move_base_abstract_ros.lockstep.participation import finish
 from move_base_abstract_ros.loopback import find_executable
 
 RUNS = Runs()
@@ -59,6 +61,46 @@ class System:
         self.wait(*self.processes)
         codes = {name: child.process.returncode for name, child in self.processes.items()}
         return Run(self._path, codes, {name: read(child) for name, child in self.processes.items()})
+
+
+class OwnInterruptTest(unittest.TestCase):
+    """Who has raised a KeyboardInterrupt: the program, which is a crash like any other, or a signal."""
+
+    def _caught(self, ends):
+        before = signal.getsignal(INT)
+        try:
+            ends()
+        except KeyboardInterrupt as error:
+            return finish._is_raised_by_program(error)
+        finally:
+            signal.signal(INT, before)
+        return None
+
+    def test_it_is_known(self):
+        def raises(*_):
+            raise KeyboardInterrupt
+
+        def comes(handler):
+            signal.signal(INT, handler)
+            os.kill(os.getpid(), INT)
+            while True:
+                signal.sigtimedwait((), 0.01)
+
+        def again(error):
+            try:
+                comes(signal.default_int_handler)
+            except KeyboardInterrupt:
+                if error is None:
+                    raise
+                raise error()  # noqa: B904 - as a program may
+        self.assertIs(self._caught(raises), True)
+        for handler in (signal.default_int_handler, raises, self._method, functools.partial(raises)):
+            self.assertIs(self._caught(lambda handler=handler: comes(handler)), False, handler)
+        for error in (None, KeyboardInterrupt):
+            self.assertIs(self._caught(lambda error=error: again(error)), False, error)
+
+    def _method(self, *_):
+        raise KeyboardInterrupt
 
 
 class InterruptTest(unittest.TestCase):

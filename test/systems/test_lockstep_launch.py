@@ -126,6 +126,7 @@ CRASHES = {
     '/raises': r'at 3\.0+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
     '/wrapped': r'at 3\.0+ s: exit code 139 \(in a shell, this means SIGSEGV\)',
     '/within': r'at 3\.0+ s: its connection was lost',
+    '/interrupts': r'at 3\.0+ s: exit code 130 \(in a shell, this means SIGINT\)',
     '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
     '/faults': r'at 3\.0+ s: ended by SIGSEGV', '/killed': r'at 3\.0+ s: ended by SIGKILL',
     '/last_round': r'at \d+\.\d+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
@@ -344,8 +345,8 @@ class LaunchTest(OwnPackage, unittest.TestCase):
     def test_a_node_that_crashes_is_named_with_how_and_when(self):
         nodes = [FATE.format(name, 'required="true"' if name == 'last_round' else '') for name in (
             'callback', 'client', 'server', 'service', 'asks', 'timer', 'thread', 'daemon', 'jobs', 'asked', 'unsaved',
-            'derived', 'items', 'taken', 'saves', 'odd', 'raises', 'exits', 'vanishes', 'faults', 'killed',
-            'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
+            'derived', 'items', 'taken', 'saves', 'odd', 'raises', 'exits', 'interrupts', 'vanishes', 'faults',
+            'killed', 'last_round', 'looks_on', 'shut_down', 'ends', 'waits')]
         nodes.append(FATE.format('killed', 'launch-prefix="sh -c \'&quot;$@&quot;; exit 0\' sh"').replace(
             'name="killed"', 'name="within"'))
         nodes.append(FATE.format('faults', 'launch-prefix="sh -c \'&quot;$@&quot;; exit $?\' sh"').replace(
@@ -357,10 +358,14 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         self.assertEqual(done.returncode, 3, done.stdout)
 
     def test_a_crash_in_the_last_moment_counts_and_may_be_allowed(self):
-        for fate, words, code in (('raises', (), 3), ('raises', ('--crashes', 'allow'), 0), ('shut_down', (), 0)):
-            done = self.run_it('--end-when-idle', *words, self.file(TICKING.replace('{more}', FATE).replace(
-                '<node pkg="study_of_others" type="ticks.py" name="walk"/>', '').format(fate, '')))
-            self.assertEqual((done.returncode, 'crash: /raises' in done.stdout), (code, fate == 'raises'), done.stdout)
+        log = self.path('last.jsonl')
+        for fate, words, code in (('raises', (), 3), ('raises', ('--crashes', 'allow'), 0), ('shut_down', (), 0),
+                                  ('interrupts', (), 3)):
+            done = self.run_it('--end-when-idle', '--event-log', log, *words, self.file(
+                '<launch>' + FATE.format(fate, '') + '</launch>'))
+            self.assertEqual((done.returncode, f'crash: /{fate} ' in done.stdout), (code, fate != 'shut_down'))
+            self.assertTrue(events_of(log)[0].end['repeatable'], done.stdout)
+            os.remove(log)
 
     def test_a_required_node_that_looks_on_and_fails_is_a_crash(self):  # roslaunch is the first to see that it is gone
         looks_on = self.file(TICKING.format(more=FATE.format('exits', 'required="true"')))

@@ -278,6 +278,26 @@ TEST(Interruption, WhoIsNoticedFirstOfTwoThatCrashAtOneInstantChangesNothing) {
   }
 }
 
+TEST(Strict, WhichOfSeveralDeathsAtOneInstantIsNoticedFirstChangesNothing) {
+  std::vector<std::pair<Texts, std::string>> seen;  // labels, the reason of the end
+  for (const auto& order : std::vector<std::vector<ConnectionId>>{{1, 2}, {2, 1}}) {
+    LockstepSettings settings = named({"/a", "/b", "/c"});
+    settings.strict = true;
+    Three three(settings);
+    for (const ConnectionId id : order) {
+      three.frame(id, wire::Crashing{});
+      three.cut(id);
+    }
+    EXPECT_EQ(three.phase(), "running");  // /c may die, too
+    three.report(3, 3 * kSecond);
+    EXPECT_EQ(three.phase(), "ended");
+    EXPECT_EQ(three.end[3].find("strict, and the run is degraded: '/a' died at 2 s"), 0U);
+    seen.emplace_back(three.labels(), three.end[3]);
+  }
+  EXPECT_EQ(seen[0].first.size(), 2U);
+  EXPECT_EQ(seen[0], seen[1]);
+}
+
 TEST(Strict, TheFirstLabelEndsTheRunBeforeAnythingComesOfIt) {
   LockstepSettings settings = named({"/a", "/b", "/c"});
   settings.strict = true;

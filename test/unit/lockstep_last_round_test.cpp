@@ -112,6 +112,38 @@ TEST(LastRound, WhatIsSentInItReachesNobodyNotEvenTheOtherHearers) {
   EXPECT_EQ(grants(three, 3), Texts{});
 }
 
+TEST(LastRound, WhoDiesInItIsToldOfThoughAnotherIsToldToEnd) {
+  for (const bool has_reported : {false, true}) {
+    LockstepSettings settings = named({"/a", "/b", "/c"});
+    settings.end_with = {"/b"};
+    Stage three(settings);
+    for (const ConnectionId id : {1, 2, 3}) {
+      three.join(id, settings.participants[id - 1]);
+    }
+    for (const ConnectionId id : {1, 2, 3}) {
+      three.grant(id);
+      three.report(id, kNever, {advertise(kTopic, "/t"), subscribe(kTopic, "/t")});
+    }
+    for (const ConnectionId id : {1, 2, 3}) {
+      grants(three, id);
+      three.frame(id, wire::Report{three.round(id), id == 2, kNever, 0,
+                                   id == 2 ? std::vector<wire::ReportItem>{send("last")}
+                                           : std::vector<wire::ReportItem>{}});
+    }
+    grants(three, 1);
+    grants(three, 3);
+    three.frame(1, wire::Stopping{"SIGINT"});
+    if (has_reported) {
+      three.report(3, kNever);  // its death changes nothing then
+    }
+    three.frame(3, wire::Crashing{});
+    three.cut(3);
+    three.report(1, kNever);
+    EXPECT_EQ(three.phase(), "ended");
+    EXPECT_EQ(three.session.status().degraded.size(), has_reported ? 0U : 1U);
+  }
+}
+
 TEST(LastRound, ACallWhoseCallerHasGoneIsServed) {
   Pair pair(endingWithB());
   pair.report(1, kNever, {wire::Serve{1, 0, "/do"}});

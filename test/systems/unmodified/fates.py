@@ -165,6 +165,12 @@ def taken():
     rospy.spin()
 
 
+def interrupts():
+    """Raise KeyboardInterrupt, as a program may that reads a key; no signal has come."""
+    rospy.sleep(2.0)
+    raise KeyboardInterrupt
+
+
 def saves():
     """Shut the node down, then fail while the results are saved."""
     at(2, lambda: rospy.signal_shutdown('all is done'))
@@ -267,6 +273,7 @@ FATES = {
     'asks': asks, 'timer': lambda: (rospy.Timer(rospy.Duration(2.5), lambda event: fail()), rospy.spin()),
     'thread': lambda: ended_thread(), 'daemon': lambda: ended_thread(name='pump', daemon=True),
     'raises': lambda: (rospy.sleep(2.0), fail()), 'exits': lambda: (rospy.sleep(2.0), sys.exit(3)),
+    'interrupts': interrupts,
     'vanishes': lambda: (rospy.sleep(2.0), os._exit(4)), 'faults': lambda: (
         rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGSEGV)),
     'killed': lambda: (rospy.sleep(2.0), os.kill(os.getpid(), signal.SIGKILL)),

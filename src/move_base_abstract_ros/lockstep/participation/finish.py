@@ -6,6 +6,7 @@ not keep it alive.
 from __future__ import annotations
 
 import atexit
+import dis
 import logging
 import os
 import select
@@ -57,7 +58,7 @@ def install(participant: Participant) -> None:
             """Show an uncaught error, but not TurnLost: the end of lockstep is no error of the application."""
             if issubclass(kind, TurnLost) and _state.code is None:
                 _state.code = 0  # the run is over, as wished, and that is no error of the program either
-            if issubclass(kind, KeyboardInterrupt):
+            if issubclass(kind, KeyboardInterrupt) and not _is_raised_by_program(error):
                 participant.interrupted('keyboard interrupt')
             if not issubclass(kind, TurnLost):
                 uncaught.tell(error, 'the main thread')
@@ -80,6 +81,23 @@ def install(participant: Participant) -> None:
     replace('threading._shutdown', shutdown)
     replace_within(rospy.core.signal_shutdown, signal_shutdown)
     replace('sys.excepthook', excepthook)
+
+
+def _is_raised_by_program(error: Optional[BaseException]) -> bool:
+    """Return whether a KeyboardInterrupt is from a ``raise`` of the program, and not from a handler of a signal."""
+    if error is None or not isinstance(error, KeyboardInterrupt):
+        return error is None or _is_raised_by_program(error.__context__)
+    handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    own = [getattr(getattr(handler, '__func__', handler), '__code__', None) for handler in handlers if callable(handler)
+           and handler is not signal.default_int_handler]
+    trace, codes = error.__traceback__, []
+    at = -1
+    while trace is not None:
+        codes.append(trace.tb_frame.f_code)
+        at, trace = trace.tb_lasti, trace.tb_next
+    if not codes or None in own or any(code in own for code in codes):
+        return False
+    return dis.opname[codes[-1].co_code[at]] == 'RAISE_VARARGS' and _is_raised_by_program(error.__context__)
 
 
 def _tell_ends(participant: Participant) -> None:
