@@ -49,3 +49,19 @@ def test_what_is_in_use_or_not_ours_stays(tmp_path):
         os.close(marker)
     assert sorted(os.listdir(tmp_path)) == before
     assert temporary.remove_left() == [str(in_use)]
+
+
+def test_a_folder_that_is_kept_stays_and_one_whose_forks_have_ended_does_not(tmp_path):
+    kept, removed, left_over = (temporary.make(name) for name in ('kept_', 'removed_', 'left_'))
+    temporary.keep(kept)
+    temporary.remove(removed)
+    temporary.remove(removed)  # it is gone already
+    assert temporary.remove_left() == []
+    pid = os.fork()
+    if pid == 0:
+        temporary.let_go()  # as a guard does
+        os._exit(len(temporary.remove_left()))  # the parent still holds the folder
+    assert os.waitpid(pid, 0)[1] == 0
+    temporary.let_go()
+    assert temporary.remove_left() == [left_over]
+    assert os.listdir(tmp_path) == [os.path.basename(kept)]

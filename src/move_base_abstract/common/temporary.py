@@ -41,20 +41,26 @@ def make(name: str) -> str:
 def remove(path: str) -> None:
     """Remove a folder of :func:`make`."""
     shutil.rmtree(path, ignore_errors=True)
-    os.close(_markers.pop(path))
+    _release(path)
 
 
 def keep(path: str) -> None:
     """Let a folder of :func:`make` stay for the user."""
     with contextlib.suppress(OSError):
         os.unlink(os.path.join(path, MARKER))
-    os.close(_markers.pop(path))
+    _release(path)
 
 
 def let_go() -> None:
     """Hold no folder of the process whose fork this is."""
-    while _markers:
-        os.close(_markers.popitem()[1])
+    for path in list(_markers):
+        _release(path)
+
+
+def _release(path: str) -> None:
+    """Give up the lock of a folder, if this process has it."""
+    if path in _markers:
+        os.close(_markers.pop(path))
 
 
 @contextlib.contextmanager
