@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.common.units import FARTHEST_M, NS_PER_S
 from move_base_abstract.motion.approach import MotionPhases
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
@@ -34,6 +34,8 @@ PLACED, EVEN, BACKWARDS, LIMITED = 0, 1, 2, 3
 _CLOSE = 1e-6  # m, and rad; a leg may end this far from the end in the log
 #: the kinds of events that say where a robot is; see :mod:`move_base_abstract.runs.trace`
 KINDS = ('motion', 'phases', 'departed', 'route', 'manner', 'stands')
+#: how many numbers of such an event, from the first on, are coordinates; None: all
+_COORDINATES: Dict[str, Optional[int]] = {'motion': 2, 'departed': 2, 'stands': 2, 'route': None}
 _COUNTS = {'motion': 8, 'phases': 8, 'departed': 3, 'manner': 6, 'stands': 3}  # how many numbers such an event has
 _RAMP_PIECES = 8  # the number of pieces for each change of speed on a leg with corners
 _PIECE_TURN = 1.0  # rad; a piece must turn by less than half a turn, so that its direction is clear
@@ -95,7 +97,7 @@ class Motions:
         for time_ns, name, kind, values in recording:
             handler: Any = handlers.get(kind)
             numbers = _numbers(values) if handler else None
-            if numbers is not None and _is_whole(kind, len(numbers)):
+            if numbers is not None and _is_whole(kind, numbers):
                 track = self.tracks.get(name)
                 if track is None:
                     track = self.tracks[name] = Track(name)
@@ -266,9 +268,12 @@ def _of_limits(limits: Sequence[float]) -> Any:
     return MotionLimits(speed, acceleration or math.inf, turn_rate or math.inf), Tolerances(xy, yaw)
 
 
-def _is_whole(kind: str, count: int) -> bool:
-    """Return whether an event of one of KINDS has the right number of numbers."""
-    return count >= 2 and count % 2 == 0 if kind == 'route' else count == _COUNTS[kind]
+def _is_whole(kind: str, numbers: Sequence[float]) -> bool:
+    """Return whether an event of one of KINDS has the right number of numbers, and no place farther than places are."""
+    count = len(numbers)
+    if not (count >= 2 and count % 2 == 0 if kind == 'route' else count == _COUNTS[kind]):
+        return False
+    return all(abs(number) <= FARTHEST_M for number in numbers[:_COORDINATES.get(kind, 0)])
 
 
 def _is_close(end: Pose2D, pose: Tuple[float, float, float]) -> bool:

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.common.units import FARTHEST_M, NS_PER_S
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_of_yaw
 
 from .motions import BACKWARDS, EVEN, LIMITED, make_leg
@@ -134,7 +134,7 @@ def _goal_ids(recording: Any, motions: Any) -> Any:
 
 
 def _goal(prefix: str, time_ns: int, values: Any, goal_id: str, frame: str) -> Iterator[Any]:
-    if len(values) != 3 or not all(map(is_number, values)):
+    if len(values) != 3 or not all(map(is_number, values)) or max(map(abs, values[:2])) > FARTHEST_M:
         return
     message = _stamped(MoveBaseActionGoal(), time_ns, '')
     message.goal_id.id = _plain(goal_id)

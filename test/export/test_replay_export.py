@@ -204,3 +204,19 @@ def test_wrong_arguments_are_refused(words, capsys):
     with pytest.raises(SystemExit) as ended:
         command.main(['a', *words])
     assert ended.value.code == 2 and 'replay: error: ' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('far', ['2e9', '-1e9001', '1e308', '999999999.99'])
+@pytest.mark.parametrize('kind, values', [('stands', '[{},0.0,0.0]'), ('departed', '[{},1.0,0.0]'),
+                                          ('route', '[1.0,{}]'), ('motion', '[0.0,{},0.0,1.0,0.0,0.0,0.0,0.0]')])
+def test_a_row_with_a_place_that_is_too_far_away_is_no_row_about_a_place(tmp_path, far, kind, values):
+    rows = [('stands', '[0.0,0.0,0.0]'), (kind, values.format(far)), ('departed', '[5.0,1.0,0.0]'),
+            (kind, values.format(far)), ('stands', '[5.0,1.0,0.0]')]
+    (tmp_path / 'run.jsonl').write_text('{"event_log":1}\n' + ''.join(
+        '{{"time_ns":{},"robot":"a","kind":"{}","values":{}}}\n'.format(number * S, *row)
+        for number, row in enumerate(rows)))
+    log, bag, mcap = (str(tmp_path / name) for name in ('run.jsonl', 'run.bag', 'run.mcap'))
+    command.main([log, '--bag', bag, '--mcap', mcap])
+    with rosbag.Bag(bag) as stream:
+        *_, (_, last, _) = stream.read_messages('/a/robot_pose')
+    assert (last.pose.position.x, last.pose.position.y) == (5.0, 1.0)

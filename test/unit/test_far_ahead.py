@@ -3,8 +3,9 @@ import math
 
 import pytest
 
+from move_base_abstract.common.errors import TimeError
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.fleet import Fleet
+from move_base_abstract.fleet import Dispatch, Fleet
 from move_base_abstract.goals.goal_pose import BadFramePolicy
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.goals.recovery import RecoveryPolicy
@@ -86,3 +87,20 @@ def test_a_heading_that_is_no_number_is_no_heading(yaw):
 def test_a_height_that_is_no_number_is_no_place(rig, z):
     text = rig().send('g', 1.0, 0.0, height=z)[-1]
     assert text[2:4] == ('ABORTED', 'The goal is not a place: pose: z must be finite, got {!r}'.format(z))
+
+
+@pytest.mark.parametrize('every, ahead', [(86400.0, []), (1e6, [
+    'the arrival of the next order, o_1, is at 1000001 s, 1000000 s ahead, more than a day (86400 s)'])])
+def test_the_first_order_that_comes_after_more_than_a_day_is_told(every, ahead):
+    dispatch = Dispatch(make_scenario({'robots': [{'name': 'bot'}], 'dispatcher': {}, 'orders': [
+        {'name': 'o', 'every': every, 'count': 3, 'stops': [{'x': 1.0}]}]}))
+    assert [warning.text for warning in dispatch.fleet.warnings] == ahead
+    dispatch.run()
+    assert [warning.text for warning in dispatch.fleet.warnings] == ahead
+    assert sum(entry.kind == 'order_done' for entry in dispatch.fleet.trace) == 3
+
+
+@pytest.mark.parametrize('time_ns', [10 ** 400, 10 ** 4000, 2 ** 62])
+def test_an_instant_of_any_size_is_refused_in_words(time_ns):
+    with pytest.raises(TimeError, match='simulated time ends at 2147483647 s'):
+        Fleet(make_scenario({'robots': [{'name': 'bot'}]})).at(time_ns, print)

@@ -6,13 +6,12 @@ import random
 import numpy as np
 import pytest
 
-from move_base_abstract.common import kept
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.outcome import GoalState
 from move_base_abstract.goals.recovery import RecoveryPolicy
-from move_base_abstract.maps import grid_planner
+from move_base_abstract.maps import grid_planner, kept
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import MotionLimits, Tolerances

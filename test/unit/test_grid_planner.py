@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from move_base_abstract.common import kept
+from move_base_abstract.maps import kept
 from move_base_abstract.maps.cost_field import CostField
 from move_base_abstract.maps.grid_planner import GridPlanner, MapWays
 from move_base_abstract.maps.map_check import TEXT_OFF_MAP, MapCheck

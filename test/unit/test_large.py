@@ -10,9 +10,9 @@ from night import times
 from PIL import Image
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kept import LEAST, Kept
 from move_base_abstract.common.map_files import read_pixels
 from move_base_abstract.fleet import Dispatch
+from move_base_abstract.maps.kept import LEAST, Kept
 from move_base_abstract.maps.lane_map import make_lane_map
 from move_base_abstract.maps.lane_planner import LaneWays
 from move_base_abstract.orders import dispatcher

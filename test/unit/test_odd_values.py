@@ -1,6 +1,8 @@
 """An oracle: each key of each documented table with odd values is refused with words, or the robots drive with it."""
 import copy
+import dataclasses
 import itertools
+import json
 import logging
 import math
 import sys
@@ -11,14 +13,19 @@ import yaml
 from night import times
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.options import options_of
+from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.fleet import Dispatch
 from move_base_abstract.maps import lane_map, travel_matrix
 from move_base_abstract.orders import order_arrivals
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks import arrivals
+from move_base_abstract_experiments.description import spec
+from move_base_abstract_experiments.description.experiment import Experiment
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'tools'))
 
+import write_node_pages  # noqa: E402
 import write_scenario_keys  # noqa: E402
 
 SECONDS = 200.0  # simulated
@@ -126,3 +133,49 @@ def test_an_odd_value_in_a_file_is_refused_with_words_or_the_robots_drive_with_i
             document['orders'] = [{'name': 'o', 'every': 20.0, 'stops': [{'x': 5.0, 'y': 5.0}]}]
             document['defaults'] = {'max_speed': 1.0, 'routes': 'lanes' if kind == 'lanes' else 'matrix'}
         check(document, caplog, value)
+
+
+OF_NODES = [(node, parameter) for node, tables in write_node_pages.TABLES.items() for _, table in tables
+            for parameter in table]
+
+
+@pytest.mark.parametrize('node, parameter', times(OF_NODES[::10], OF_NODES), ids=lambda one: getattr(one, 'name', one))
+def test_an_odd_value_of_a_nodes_parameter_is_taken_or_refused_with_words(node, parameter):
+    for value in times(DAY, ODD):
+        try:
+            read_table({parameter.name: value}, (parameter,), '/' + node)
+        except ConfigurationError as error:
+            assert parameter.name in str(error), value
+
+
+EXPERIMENTS = {
+    'launch': {'experiment': 'e', 'launch': 'a.launch', 'args': {'a': 1}, 'factors': {'f': [1, 2]}},
+    'function': {'experiment': 'e', 'function': 'math:floor', 'factors': {'f': [1, 2]}},
+    'command': {'experiment': 'e', 'command': ['true', '{f}'], 'participants': [], 'factors': {'f': [1, 2]}}}
+
+
+def keys_of(cls):
+    """Yield the keys of an experiment's file, those within others, too, as tuples."""
+    for key, one in options_of(cls).items():
+        yield (key,)
+        if dataclasses.is_dataclass(one.initial):
+            yield from ((key, *inner) for inner in keys_of(type(one.initial)))
+
+
+@pytest.mark.parametrize('system', list(EXPERIMENTS))
+@pytest.mark.parametrize('keys', times(list(keys_of(Experiment))[::10], list(keys_of(Experiment))), ids='.'.join)
+def test_an_odd_value_in_an_experiments_file_is_refused_with_words_or_a_plan_is_made(system, keys, tmp_path):
+    (tmp_path / 'a.launch').write_text('<launch><arg name="a"/></launch>')
+    for value in times(DAY, ODD):
+        document = copy.deepcopy(EXPERIMENTS[system])
+        place = document
+        for key in keys[:-1]:
+            place = place.setdefault(key, {})
+        place[keys[-1]] = value
+        try:
+            path = tmp_path / 'experiment.yaml'
+            path.write_text(yaml.safe_dump(document))
+            experiment = spec.read(str(path))
+            assert json.dumps(spec.configurations(experiment))
+        except ConfigurationError as error:
+            assert str(error), value

@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 
 NS_PER_S = 1_000_000_000
+DAY_NS = 86_400 * NS_PER_S
 #: the last instant of simulated time [ns], where the time master ends: the seconds of a ros::Duration are an int32
 LAST_NS = (2 ** 31 - 1) * NS_PER_S
 #: the farthest position on each axis [m]: beyond, a float no longer tells millimetres apart, and sums overflow
@@ -21,6 +22,18 @@ def seconds_to_ns(seconds: float) -> int:
     except (OverflowError, ValueError):
         raise ValueError('seconds must be finite, got {!r}'.format(seconds)) from None
     return whole * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
+
+
+def far_ahead(what: str, due_ns: int, now_ns: int, longest_ns: int = DAY_NS, name: str = 'a day') -> str:
+    """Return in words that ``what`` is at ``due_ns`` [ns], more than ``longest_ns`` [ns] ahead of now; '' if it is not.
+
+    Whatever input has something wait for an instant asks this. ``name``: of the parameter with the bound.
+    """
+    ahead_ns = due_ns - now_ns
+    if ahead_ns <= longest_ns:
+        return ''
+    at, ahead, longest = (ns / NS_PER_S for ns in (due_ns, ahead_ns, longest_ns))
+    return f'{what} is at {at:.10g} s, {ahead:.10g} s ahead, more than {name} ({longest:.10g} s)'
 
 
 def check_reachable(time_ns: int, what: str) -> None:

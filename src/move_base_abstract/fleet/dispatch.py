@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple
 
 from ..common.arguments import check_function, check_kind, check_method
 from ..common.kinds import error
-from ..common.units import LAST_NS
+from ..common.shown import shown_text
+from ..common.units import LAST_NS, far_ahead
 from ..motion.geometry import Pose2D, quaternion_of_yaw, yaw_of_quaternion
 from ..orders.dispatcher import Drive, GiveUp, PolicyError
 from ..orders.order import Order, fault_of
@@ -23,6 +24,7 @@ from ..orders.settings import DispatchSettings
 from ..runs.metrics import fleet_metrics
 from ..runs.story import Story
 from ..scenario import Scenario
+from ..tasks.arrivals import NEXT
 from .dispatch_world import Decisions, check_levels
 from .fleet import SCENARIO, Fleet
 from .member import FleetWarning
@@ -66,6 +68,7 @@ class Dispatch:
                                     self._act)
         self.core = self._decisions.core
         self._failure: Optional[str] = None  # the first fault of the policy, as a text
+        self._has_waited = False  # whether it was said that an order comes much later
         self._begin_ns = self.fleet.now_ns
         self._orders = scenario.orders(seed)
         self._expect()
@@ -120,7 +123,13 @@ class Dispatch:
     def _expect(self) -> None:
         order = next(self._orders, None)
         if order is not None and self._begin_ns + order.arrival_ns <= LAST_NS:
-            self.fleet.at(self._begin_ns + order.arrival_ns, lambda _: self._arrives(order))
+            due_ns = self._begin_ns + order.arrival_ns
+            ahead = not self._has_waited and far_ahead(
+                NEXT.format('order', shown_text(order.order_id)), due_ns, self.fleet.now_ns)
+            if ahead:
+                self._has_waited = True
+                self.fleet._note(FleetWarning(self.fleet.now_ns, DISPATCHER, '', ahead))
+            self.fleet.at(due_ns, lambda _: self._arrives(order))
 
     def _arrives(self, order: Order) -> None:
         self.order(order)

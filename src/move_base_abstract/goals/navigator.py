@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Callable, Deque, Dict, Optional, Tuple, Union
 
 from ..common.errors import FrameError
-from ..common.units import LAST_NS, NS_PER_S, check_reachable
+from ..common.units import LAST_NS, NS_PER_S, check_reachable, far_ahead
 from ..engine.alarm import Agenda
 from ..engine.guard import attempt_each, fault_text, guarded
 from ..maps.planning import StraightLinePlanner
@@ -165,9 +165,8 @@ class Navigator:
 
     def refuse_to_wait(self, due_ns: int, what: str, cause: str, now_ns: int) -> None:
         """Give the goal up, because ``what`` is at ``due_ns`` [ns], too far ahead; ``cause``: what is likely wrong."""
-        at, ahead, longest = (ns / NS_PER_S for ns in (due_ns, due_ns - now_ns, self.longest_wait_ns))
-        self._tell(Warned(now_ns, self.robot.name, f'The goal cannot be reached: {what} is at {at:.10g} s, '
-                          f'{ahead:.10g} s ahead, more than longest_wait ({longest:.10g} s): {cause}'))
+        ahead = far_ahead(what, due_ns, now_ns, self.longest_wait_ns, 'longest_wait')
+        self._tell(Warned(now_ns, self.robot.name, f'The goal cannot be reached: {ahead}: {cause}'))
         self.give_up(now_ns)
 
     def _can_wait_for(self, due_ns: int, what: str, now_ns: int) -> bool:

@@ -5,8 +5,8 @@ from collections import OrderedDict
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
-from ..common.kept import Kept, corners_of
 from .cost_field import CostField
+from .kept import Kept, corners_of
 from .occupancy import OccupancyMap
 from .planning import StraightLinePlanner, WorldBounds
 from .planning_grid import PARTS, PlanningGrid, blocked_cells

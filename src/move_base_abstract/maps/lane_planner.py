@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optiona
 
 import numpy as np
 
-from ..common.kept import Kept, corners_of
 from ..common.units import NS_PER_S
 from ..motion.planned_way import PieceLimit, PlannedWay
 from ..motion.route import segments_along
+from .kept import Kept, corners_of
 from .lane_map import NEAR, path_length
 from .planning import StraightLinePlanner, WorldBounds
 from .priced_ways import cheapest, times_to

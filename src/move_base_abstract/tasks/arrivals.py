@@ -151,6 +151,10 @@ class Listed:
                 seconds, partial(chance.uniform, number_, Purpose.TASK_DURATION)))
 
 
+#: begins a warning that it comes long after what came before; only the first such wait is told
+NEXT = 'the arrival of the next {}, {},'
+
+
 def instants(gap_ns: Callable[[int], int], count: Optional[int], until_ns: int) -> Iterator[Tuple[int, int]]:
     """Yield (number, from 1 on; instant [ns]) of things that arrive ``gap_ns(number)`` [ns] after one another.
 

@@ -18,7 +18,7 @@ from typing import (
     Tuple,
 )
 
-from ..common.kept import Kept
+from ..maps.kept import Kept
 from .outline import BORDER
 
 if TYPE_CHECKING:

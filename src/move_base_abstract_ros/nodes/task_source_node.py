@@ -4,9 +4,11 @@ from functools import partial
 import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.units import LAST_NS
+from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.units import LAST_NS, far_ahead
 from move_base_abstract.config.node_tables import TASK_SOURCE, TASK_SOURCE_INLINE
 from move_base_abstract.msg import Order, Task
+from move_base_abstract.tasks.arrivals import NEXT
 
 from ..clocks.timing import make_timing
 from ..fleet.fleet_scenario import given_scenario
@@ -71,6 +73,7 @@ class _Source:
         self._items = items
         self._pack = pack
         self._begin_ns = None
+        self._has_waited = False  # whether it was said that something comes much later
         self._needs_listener = needs_listener
         self._outlet = None
         self._outlet = _Arrivals(topic, kind, self._look)
@@ -96,6 +99,12 @@ class _Source:
         if due_ns is None or due_ns > LAST_NS:
             rospy.loginfo('%s: no more %s arrive', rospy.get_name(), self._outlet.what)
             return
+        if not self._has_waited:
+            name = getattr(item, 'order_id', None) or getattr(item, 'task_id', '')
+            ahead = far_ahead(NEXT.format(self._outlet.what[:-1], shown_text(name)), due_ns, self._clock.now_ns())
+            if ahead:
+                self._has_waited = True
+                rospy.logwarn('%s: %s', rospy.get_name(), ahead)
         self._clock.simulation.queue.schedule(due_ns, 0, lambda due_ns, _now_ns: self._arrives(item, due_ns))
 
     def _arrives(self, item, due_ns):
