@@ -23,7 +23,8 @@ import subprocess
 import sys
 import tempfile
 
-from move_base_abstract.common import processes, sockets
+from move_base_abstract.common import processes
+from move_base_abstract_experiments.carrying import sockets
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.lockstep.programs import native_library

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from move_base_abstract.common import sockets
+from move_base_abstract_experiments.carrying import sockets
 
 
 @pytest.fixture

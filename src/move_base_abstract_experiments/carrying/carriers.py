@@ -12,10 +12,11 @@ import select
 import socket
 from typing import Optional, Tuple
 
-from move_base_abstract.common import processes, sockets
+from move_base_abstract.common import processes
 
 from ..description.job import Job
 from ..trials import run_folders
+from . import sockets
 
 _MOST_TRIALS = 1000  # in one process; then another one takes its place, so that its memory cannot grow without end
 _DONE = b'd'

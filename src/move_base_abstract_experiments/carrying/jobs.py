@@ -12,7 +12,6 @@ import tempfile
 import threading
 from typing import Any, List, Optional, Sequence, Tuple
 
-from move_base_abstract.common import sockets
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.processes import interpreter_of
 
@@ -21,7 +20,7 @@ from ..description.experiment import Experiment
 from ..description.job import NUMPY, ROS, Common, Job
 from ..description.trial import Trial
 from ..trials import bundle, functions, run_folders
-from . import spool, warm_ros
+from . import sockets, spool, warm_ros
 
 _END_S = 10.0  # wall
 #: the names of modules with which a function may start nodes
