@@ -99,11 +99,17 @@ class OwnNodesTest(unittest.TestCase):
                          {name: said for name, said in NODES.items() if name in names})
         self.assertEqual({name: how('lockstep', '--own ' + name) for name in MODULES}, MODULES)
 
+GIVES_UP = """#!/usr/bin/env python3
+import rospy
+raise SystemExit(1)
+rospy.init_node('missing')
+"""
+
 
 class MapTest(OwnPackage, unittest.TestCase):
     FILES = {'asker.py': ASKER, 'for_nobody': '#!/usr/bin/no_such_interpreter\n',
              'by_env': '#!/usr/bin/env -S sh -e\n', 'by_path': '#!/usr/bin/env own_sh\n',
-             'own_sh': '#!/bin/sh\n'}
+             'own_sh': '#!/bin/sh\n', 'gives_up.py': GIVES_UP}
 
     def _run(self, *words, own='', more=''):
         path = self.write('mapped.launch', MAPPED.format(own, more))
@@ -123,6 +129,13 @@ class MapTest(OwnPackage, unittest.TestCase):
         said, end, _ = self._run('--lookahead', '0.05')
         self.assertIn('a map of 96 cells, made at 1.000 s, heard at 1.100 s', said)
         self.assertEqual(end['not_repeatable_because'], [])
+
+    def test_a_run_that_ends_before_it_starts_is_no_error_of_the_package_s_own_nodes(self):
+        path = self.write('mapped.launch', MAPPED.format('', MISSING.format('gives_up.py')))
+        code, said = self.run_it('lockstep_launch', '--until', '6', path)
+        self.assertEqual(code, 1, said)
+        self.assertIn('/missing ended (exit code 1) before it took part', said)
+        self.assertNotIn('please report it', said)
 
     def test_a_program_that_could_not_be_started_makes_the_run_not_repeatable(self):
         for program, why in (('no_such_program', 'Cannot locate node of type [no_such_program]'),

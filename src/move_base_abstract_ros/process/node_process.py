@@ -18,6 +18,7 @@ import rospy
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.lasting_output import drop_unread_outputs
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.lockstep.task import TurnLost
 
 from ..replacing import rospy_start
 from ..replacing.log_files import survive_full_disk
@@ -65,9 +66,9 @@ def run_node(name: str, set_up: Callable[[], Any], say_goodbye: Optional[Callabl
         _finish(end)
     if watch.has_lost:
         leave(_FAILED)
-    if isinstance(result, BaseException):
+    if isinstance(result, BaseException) and not isinstance(result, TurnLost):
         leave(tell_error(name, result, failed))
-    if result is None:
+    if result is None or isinstance(result, TurnLost):  # the run is over, and what has ended it says why
         return
     end.enter_service()
     # The present objects live until the end, so Python's search for garbage need not go through them again and again.
