@@ -21,13 +21,24 @@ from move_base_abstract_ros.loopback import find_executable
 LINES = 30  # last lines of the output that are shown if a run fails
 LOOK_S = 0.005  # wall
 GRACE_S = 20.0  # wall, from SIGINT to SIGKILL
+OUTPUT = 'output.txt'
+CRASH = 'lockstep_launch: crash: '
 
-#: start_s, run_s, end_s: wall time; cpu_s: whole run; run_cpu_s: from first to last event; digest: of the event log
-Run = collections.namedtuple('Run', 'start_s run_s end_s cpu_s run_cpu_s simulated_s rounds messages end digest')
+#: start_s, run_s, end_s: wall time; cpu_s: whole run; run_cpu_s: from first to last event; digest: of the event log;
+#: crashes: of nodes, in words, with --crashes allow
+Run = collections.namedtuple('Run', 'start_s run_s end_s cpu_s run_cpu_s simulated_s rounds messages end digest '
+                             'crashes')
 
 
 class Failed(RuntimeError):
-    """lockstep_launch ended with an error, too late, or without a note of the clock; the message has its last lines."""
+    """lockstep_launch ended with an error, too late, or without a note of the clock; the message has its last lines.
+
+    ``why``: the same in words without them. ``code``: its exit code; None if it was ended, since it was too late.
+    """
+
+    def __init__(self, why, path, code=None):
+        super().__init__(why + ':\n' + _tail(path))
+        self.why, self.code = why, code
 
 
 def launch(words, timeout):
@@ -46,14 +57,16 @@ def launch(words, timeout):
         with open(os.path.join(folder, 'end')) as stream:
             note = json.load(stream)
         start_ns, end, digest = _read(log)
+        with open(os.path.join(folder, OUTPUT), errors='replace') as output:
+            crashes = [line[len(CRASH):].rstrip() for line in output if line.startswith(CRASH)]
     return Run(first - begin, last - first, done - last, used, run_cpu, (note['at_ns'] - start_ns) * 1e-9,
-               note['rounds'], note['messages'], end, digest)
+               note['rounds'], note['messages'], end, digest, crashes)
 
 
 def _follow(command, folder, timeout):
     """Run a command to its end; return the processor time [s] between the two notes in ``folder``. Raises Failed."""
     used = {}
-    path, deadline = os.path.join(folder, 'output.txt'), time.monotonic() + timeout
+    path, deadline = os.path.join(folder, OUTPUT), time.monotonic() + timeout
     with open(path, 'wb') as output, subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=output,
                                                       stderr=subprocess.STDOUT) as process:
         try:
@@ -66,11 +79,11 @@ def _follow(command, folder, timeout):
         finally:
             _end(process)
     if is_late:
-        raise Failed(f'not over after {timeout:g} s:\n' + _tail(path))
+        raise Failed(f'not over after {timeout:g} s', path)
     if process.returncode:
-        raise Failed(f'lockstep_launch has ended with {process.returncode}:\n' + _tail(path))
+        raise Failed(f'lockstep_launch has ended with {process.returncode}', path, process.returncode)
     if len(used) < 2:
-        raise Failed('the time master has written no note of its start or of its end:\n' + _tail(path))
+        raise Failed('the time master has written no note of its start or of its end', path, 0)
     return used['end'] - used['start']
 
 
