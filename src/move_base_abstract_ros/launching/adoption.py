@@ -8,7 +8,7 @@ from move_base_abstract.common.errors import ConfigurationError
 
 from ..adopting import kinds, poses, reading, robots
 from ..loopback import PACKAGE
-from . import programs, roles, start_poses
+from . import given, programs, roles, start_poses
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
@@ -71,12 +71,12 @@ class _Adoption:
         kept = [node for node in self.config.nodes if not self._is_out(node)]
         self._clocks(kept)
         self._fatal(kept)
-        given = self.options
+        asked = self.options
         options = replace(
-            given, adopt=False, tolerant=True, leave_out=(*given.leave_out, *self.left_out),
-            replace={**given.replace, **replaced}, add={**given.add, **self.added},
-            node_args={**given.node_args, **self.arguments}, param={**self.param, **given.param},
-            start={**given.start, **starts}, is_told=True, no_respawn=given.no_respawn or any(
+            asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
+            replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
+            node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
+            start={**asked.start, **starts}, is_told=True, no_respawn=asked.no_respawn or any(
                 node.respawn for node in kept if kinds.kind_of(node.package, node.type).word == kinds.ELSE))
         return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems))
 
@@ -289,8 +289,8 @@ class _Adoption:
     def _below(self, name):
         """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
         found = {}
-        given = {key: param.value for key, param in self.config.params.items()}
-        for key, value in {**given, **self.options.param}.items():
+        there = {key: param.value for key, param in self.config.params.items()}
+        for key, value in {**there, **self.param, **dict(given.single(self.options.param))}.items():
             if key.startswith(name + '/'):
                 *above, last = key[len(name) + 1:].split('/')
                 here = found

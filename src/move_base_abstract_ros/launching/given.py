@@ -24,12 +24,21 @@ def add_to(config, options):
         for node in config.nodes:
             if roles.name_of(node) == name:
                 node.args = arguments
-    for key, value in options.param.items():
+    for key, value in single(options.param):
         _set(config, key, value)
     for name, pose in options.start.items():
         check_known('--start', name, names)
         for key, value in zip(_START, pose):
             _set(config, '{}/{}'.format(name, key), value)
+
+
+def single(parameters):
+    """Yield (full name, value) of each parameter: a mapping sets one for each of its values, and leaves the others."""
+    for key, value in parameters.items():
+        if isinstance(value, dict) and value:
+            yield from single({'{}/{}'.format(key, name): one for name, one in value.items()})
+        else:
+            yield key, value
 
 
 def told(options):
@@ -59,9 +68,4 @@ def _node(config, name, package, kind, arguments):
 
 
 def _set(config, key, value):
-    """Set a parameter; a mapping sets one for each of its values, and leaves the others below its name."""
-    if isinstance(value, dict) and value:
-        for name, one in value.items():
-            _set(config, '{}/{}'.format(key, name), one)
-    else:
-        config.params[key] = roslaunch.core.Param(key, value)
+    config.params[key] = roslaunch.core.Param(key, value)
