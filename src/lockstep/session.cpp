@@ -383,7 +383,7 @@ LockstepStatus LockstepSession::status() const {
   status.degraded = run_.labels.degraded();
   status.departures = departures_.list();
   status.open_goals = run_.text.openGoals(run_.router.goals());
-  status.reason = end_.reason();
+  status.reason = reason();
   status.ended_by = end_.code();
   status.ended_with = end_.node();
   status.ended_as_wished = end_.isAsWished();

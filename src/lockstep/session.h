@@ -115,8 +115,11 @@ class LockstepSession {
   void runUntil(Nanoseconds target);
   void setLimit(double factor);
   /** @brief Let time stand at the present instant, for nodes that do not take part; see release().
-   */
-  void holdForOthers() { run_.rounds.gate().holdForOthers(true); }
+   * @param what the text that says so, for the state. */
+  void holdForOthers(const std::string& what) {
+    run_.rounds.gate().holdForOthers(true);
+    held_for_ = what;
+  }
   /** @brief End this. @param why a label, if something that is waited for has not come; else ''. */
   void release(const std::string& why) {
     run_.rounds.gate().holdForOthers(false);
@@ -143,6 +146,11 @@ class LockstepSession {
   void loseRosMaster(const std::string& how) { end_.loseRosMaster(how); }
 
  private:
+  /** @return why the run has ended or stands, or what time stands for at the start. */
+  std::string reason() const {
+    const bool is_held = end_.reason().empty() && run_.rounds.gate().holdsForOthers();
+    return is_held ? held_for_ : end_.reason();
+  }
   void take(ConnectionId id, const Connection& connection, std::string_view frame);
   void takeReport(MemberId id, std::string_view frame);
   void takeKnock(MemberId id);
@@ -166,6 +174,7 @@ class LockstepSession {
   Silence silence_;
   const Nanoseconds began_;
   Nanoseconds missing_due_;  // wall
+  std::string held_for_;     // what time stands for, in words; see holdForOthers()
   bool poll_due_ = false;
   bool leap_told_ = false;
 };

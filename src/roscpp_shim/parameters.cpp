@@ -9,6 +9,7 @@
 #include <array>
 #include <utility>
 
+#include "clock/number_text.h"
 #include "lockstep/wire/utf8.h"
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
@@ -244,6 +245,15 @@ bool Parameters::askMaster(const char* method, const std::string& name, const Xm
 void Parameters::note(const std::string& name) {
   if (asked_.insert(name).second) {
     node().append(wire::Asks{name});
+  }
+}
+
+void tellInVain(const std::string& what) {
+  std::vector<std::string> others;
+  ros::param::get("/time_master/onlookers", others);
+  if (!others.empty()) {
+    node().label(what +
+                 " was waited for in vain; it may be of a node that looks on: " + joined(others));
   }
 }
 

@@ -104,6 +104,9 @@ class Parameters {
 
 Parameters& parameters();
 
+/** @brief Label the run if a node that looks on may have @p what, which has not come in time. */
+void tellInVain(const std::string& what);
+
 }  // namespace move_base_abstract::shim
 
 #endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H

@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "clock/json_text.h"
-#include "clock/number_text.h"
 #include "exchange.h"
 #include "node.h"
 #include "parameters.h"
@@ -157,17 +156,6 @@ bool mayBeOfferedOutside(const std::string& service) {
     }
   }
   return false;
-}
-
-/** @brief Label the run if a node that looks on may have the service, which has not come in time.
- */
-void tellInVain(const std::string& service) {
-  std::vector<std::string> others;
-  ros::param::get("/time_master/onlookers", others);
-  if (!others.empty()) {
-    node().label("service " + service +
-                 " was waited for in vain; it may be of a node that looks on: " + joined(others));
-  }
 }
 
 /** @brief Count a call of a service. In a loop that does nothing but call, time goes on. */
@@ -326,7 +314,7 @@ bool waitForService(const std::string& name, Duration timeout) {
   const shim::Woken woken = shim::turn().wait(wait);
   shim::node().close("service " + service);
   if (woken == shim::Woken::kTime) {
-    shim::tellInVain(service);
+    shim::tellInVain("service " + service);
   }
   return woken == shim::Woken::kReady;
 }

@@ -20,8 +20,16 @@ void OnlookerWait::begin(LockstepServer& server, const std::vector<std::string>&
   missing_.insert(names.begin(), names.end());
   is_over_ = names.empty();
   if (!is_over_) {
-    server.with([](LockstepSession& session) { session.holdForOthers(); });
+    hold(server, shown(joined(names)));
   }
+}
+
+/** @brief Let time stand, and say for what. */
+void OnlookerWait::hold(LockstepServer& server, const std::string& what) {
+  const std::string text =
+      "nodes that look on are waited for, at most " + std::to_string(kOnlookerLimit) +
+      " s of wall time: " + (what.empty() ? "what they have sent may be under way" : what);
+  server.with([&](LockstepSession& session) { session.holdForOthers(text); });
 }
 
 void OnlookerWait::work(LockstepServer& server, Nanoseconds wall) {
@@ -48,6 +56,7 @@ void OnlookerWait::work(LockstepServer& server, Nanoseconds wall) {
     }
     const std::string what = missing(wanted->services);
     if (wall < limit_ && (!what.empty() || wall < changed_ + kOnlookerQuiet)) {
+      hold(server, what);
       return;
     }
     if (!what.empty()) {

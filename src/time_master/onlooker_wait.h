@@ -26,6 +26,7 @@ class OnlookerWait {
   void work(LockstepServer& server, Nanoseconds wall);
 
  private:
+  static void hold(LockstepServer& server, const std::string& what);
   bool look();
   std::string missing(const std::vector<std::string>& services) const;
 

@@ -2,6 +2,7 @@
 // for services with and without success, calls once a second, and publishes what it sees on
 // "answers".
 #include <ros/ros.h>
+#include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
@@ -35,6 +36,9 @@ bool onRefuse(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response&)
 void runClient(ros::NodeHandle& node) {
   const Teller teller("answers");
   teller.tell(ros::service::waitForService("nobody", ros::Duration(2.0)) ? "found" : "not found");
+  if (ros::NodeHandle("~").param("hears", false)) {
+    ros::topic::waitForMessage<std_msgs::String>("silence", ros::Duration(0.5));
+  }
   teller.tell(ros::service::waitForService("trigger") ? "found" : "not found");
   ros::ServiceClient client = node.serviceClient<std_srvs::Trigger>("trigger");
   ros::Rate rate(1);

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 
 from own_folder import OwnPackage
 
+from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import PACKAGE
+from move_base_abstract_ros.nodes import why_node
 
 ASKER = """#!/usr/bin/env python3
 import rospy
@@ -58,7 +60,8 @@ print('heard', rospy.wait_for_message('/said', String, timeout=3).data, rospy.ge
 rospy.wait_for_service('/asked', timeout=3)
 print('got', rospy.ServiceProxy('/asked', Trigger)().message, rospy.get_time(), flush=True)
 """
-CLIENT = '<node pkg="move_base_abstract" type="shim_calls" name="client"><param name="client" value="true"/></node>'
+CLIENT = """<node pkg="move_base_abstract" type="shim_calls" name="client">
+  <param name="client" value="true"/><param name="hears" value="true"/></node>"""
 HELD = """<launch>
   <node pkg="study_of_others" type="serves.py" name="serves" args="{}" respawn="true"/>
   <node pkg="study_of_others" type="hearer.py" name="hearer" output="screen" required="true"/>
@@ -151,6 +154,14 @@ class MapTest(OwnPackage, unittest.TestCase):
             self.assertEqual(self._run(more=more)[1]['not_repeatable_because'], [])
 
 
+class WhyTest(unittest.TestCase):
+    def test_why_says_what_time_stands_for_at_the_start_and_not_that_somebody_has_paused_it(self):
+        said = list(why_node.lines(TimeState(mode='lockstep', phase='paused', paused=True, reason='/map is awaited')))
+        self.assertEqual(said[0], 'time stands still')
+        self.assertIn('/map is awaited', said)
+        self.assertNotIn('resume', ' '.join(said))
+
+
 class HeldTest(OwnPackage, unittest.TestCase):
     FILES = {'serves.py': SERVES, 'hearer.py': HEARER}
 
@@ -167,6 +178,7 @@ class HeldTest(OwnPackage, unittest.TestCase):
         self.assertIn('timeout exceeded while waiting for service /asked', said)
         why = str(log.end['not_repeatable_because'])
         self.assertIn('time has started without the service /nobody, the service /asked', why)
-        for node, service in (('hearer', 'asked'), ('client', 'nobody')):
-            self.assertIn(f"'/{node}': service /{service} was waited for in vain; it may be of a node that looks on: "
+        for node, what in (('hearer', 'service /asked'), ('client', 'service /nobody'),
+                           ('client', 'a message on /silence')):
+            self.assertIn(f"'/{node}': {what} was waited for in vain; it may be of a node that looks on: "
                           '/serves', why)

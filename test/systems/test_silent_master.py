@@ -11,6 +11,14 @@ from waiting import children_of, wait_for
 from move_base_abstract_ros.launching import ros_master
 from move_base_abstract_ros.loopback import find_executable
 
+LAUNCH = '<launch><node pkg="study_of_others" type="{0}" name="{0}" output="screen"/></launch>'
+EVER = """#!/usr/bin/env python3
+import rospy
+rospy.init_node('ever')
+while not rospy.is_shutdown():
+    rospy.sleep(1.0)
+"""
+
 
 class SilentMasterTest(OwnFolder, unittest.TestCase):
 
@@ -40,21 +48,26 @@ class SilentMasterTest(OwnFolder, unittest.TestCase):
 
 
 class StoppedMasterTest(OwnPackage, unittest.TestCase):
-    FILES = {'never': '#!/bin/sh\nexec sleep 1000\n'}
+    FILES = {'never': '#!/bin/sh\nexec sleep 1000\n', 'ever': EVER}
 
-    def test_a_master_that_is_stopped_while_nodes_start_is_named(self):
-        file = self.write('a.launch', '<launch><node pkg="study_of_others" type="never" name="never"/></launch>')
+    def test_a_master_that_is_stopped_while_nodes_start_or_run_is_named(self):
+        for program, sign in (('never', 'never-2]: started'), ('ever', 'the clock starts at')):
+            with self.subTest(program):
+                self._stop(program, sign)
+
+    def _stop(self, program, sign):
+        file = self.write('a.launch', LAUNCH.format(program))
         with open(self.path('said'), 'w+') as said:
-            run = subprocess.Popen([find_executable('lockstep_launch'), '--participant', '/never', file], stdout=said,
-                                   stderr=subprocess.STDOUT, env=self.environment)
+            run = subprocess.Popen([find_executable('lockstep_launch'), '--participant', '/' + program, file],
+                                   stdout=said, stderr=subprocess.STDOUT, env=self.environment)
         self.addCleanup(run.wait)
         self.addCleanup(run.terminate)
 
         def has_said(text):
             with open(self.path('said')) as stream:
                 return text in stream.read()
-        wait_for('the nodes', lambda: has_said('never-2]: started'))
+        wait_for('the nodes', lambda: has_said(sign))
         master = children_of(children_of(run.pid)[0])[0]  # a guard's child is the program, which starts this first
         os.kill(master, signal.SIGSTOP)
         self.addCleanup(os.kill, master, signal.SIGCONT)
-        wait_for('the word', lambda: has_said('has not answered for 3 s; the nodes that start wait for it'))
+        wait_for('the word', lambda: has_said('has not answered for 3 s; the nodes that start or ask it wait for it'))

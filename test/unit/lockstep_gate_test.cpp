@@ -42,7 +42,7 @@ TEST(Gate, TimeThatStandsForOthersIsNeitherIdleNorSetGoingByResume) {
   LockstepSettings settings = named({"/a"});
   settings.end_when_idle = true;
   Stage stage(settings);
-  stage.session.holdForOthers();
+  stage.session.holdForOthers("they are late");
   stage.join(1, "/a");
   stage.grant(1);
   EXPECT_FALSE(stage.session.wanted().has_value());  // the first instant is not over
@@ -54,6 +54,7 @@ TEST(Gate, TimeThatStandsForOthersIsNeitherIdleNorSetGoingByResume) {
   stage.session.resume();
   stage.poll();
   EXPECT_EQ(stage.phase(), "paused");
+  EXPECT_EQ(stage.session.status().reason, "they are late");
   stage.session.release("it has not come");
   stage.poll();
   EXPECT_EQ(stage.phase(), "ended");

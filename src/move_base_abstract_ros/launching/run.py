@@ -31,7 +31,7 @@ REQUIRED, ABSENT, MASTER, LIMIT = 'required', 'absent', 'master', 'limit'
 _LAST_BYTES = 1 << 16  # the last line of a log is shorter
 _LOOK_S = 0.02  # wall
 _AGAIN_S = 0.1  # wall; a node with respawn is not started more often
-_ASK_EVERY_S, _SILENT_S = 5.0, 3.0  # wall; before time starts, the ROS master is asked whether it answers
+_ASK_EVERY_S, _SILENT_S = 5.0, 3.0  # wall; the ROS master is asked whether it answers
 _BEFORE_START_S = 5.0  # wall; the time in which the time master must answer
 _TIME_MASTER_S = 5.0  # wall; the time in which it must end after a signal
 
@@ -195,14 +195,14 @@ class Run:
         return None
 
     def _tell_of_silence(self):
-        """Say once that our ROS master does not answer while nodes start: they wait for it without a word."""
-        if self._master is None or not self._note or time.monotonic() < self._ask_at or os.path.exists(self._note):
+        """Say once that our ROS master does not answer: nodes that start, or ask it, wait for it without a word."""
+        if self._master is None or not self._note or time.monotonic() < self._ask_at:
             return
         self._ask_at = time.monotonic() + _ASK_EVERY_S
         if not is_answering(self.uri, 'lockstep', _SILENT_S):
             self._ask_at = math.inf
-            print('lockstep: the ROS master at {} has not answered for {:g} s; the nodes that start wait for it'
-                  .format(self.uri, _SILENT_S), file=sys.stderr, flush=True)
+            print('lockstep: the ROS master at {} has not answered for {:g} s; the nodes that start or ask it wait for '
+                  'it'.format(self.uri, _SILENT_S), file=sys.stderr, flush=True)
 
     def await_end(self, limit):
         """Wait until the run is over, whatever ends meanwhile, at most ``limit`` [s, wall]."""

@@ -124,7 +124,8 @@ def lines(state, name='/time_master'):
     """Return the lines that are printed for a TimeState. ``name``: that of the time master."""
     if state.mode != 'lockstep':
         return _scaled_lines(state)
-    return [f'time {PHASES.get(state.phase, state.phase)}',
+    is_held = state.phase == 'paused' and state.reason  # for nodes that look on; nobody has called pause
+    return [f'time {"stands still" if is_held else PHASES.get(state.phase, state.phase)}',
             f'at {_time(state.sim_time)}, microstep {state.microstep}; {state.rounds} rounds, {state.leaps} leaps, '
             f'{state.messages} messages so far; {state.achieved_factor:.4g} times real time lately, '
             f'cores of this computer: {state.cores}',
@@ -199,7 +200,7 @@ def _label_lines(state):
 
 
 def _next_lines(state, name):
-    if state.phase in NEXT:
+    if state.phase in NEXT and not (state.phase == 'paused' and state.reason):
         yield 'next: ' + NEXT[state.phase].format(name.rstrip('/'))
     elif state.bystanders or state.not_repeatable_because:
         yield 'next: why a node only looks on: rosrun move_base_abstract lockstep_launch --list FILE'

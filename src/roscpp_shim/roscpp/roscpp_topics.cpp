@@ -1,18 +1,22 @@
 // Replaces the functions of roscpp that advertise, publish, subscribe, and receive messages.
 #include <ros/advertise_options.h>
 #include <ros/names.h>
+#include <ros/node_handle.h>
 #include <ros/poll_set.h>
 #include <ros/publication.h>
 #include <ros/subscribe_options.h>
+#include <ros/topic.h>
 #include <ros/topic_manager.h>
 
 #include <algorithm>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "roscpp_shim/delivery.h"
 #include "roscpp_shim/machine/real.h"
 #include "roscpp_shim/node.h"
+#include "roscpp_shim/parameters.h"
 #include "roscpp_shim/topics.h"
 #include "roscpp_shim/turn.h"
 
@@ -250,4 +254,26 @@ void Publication::removeSubscriberLink(const SubscriberLinkPtr& link) {
   silent.erase(std::remove(silent.begin(), silent.end(), link), silent.end());
 }
 
+namespace topic {
+
+void waitForMessageImpl(SubscribeOptions& options, const boost::function<bool(void)>& is_ready,
+                        NodeHandle& node, Duration timeout) {
+  static auto* const function = shim::real(
+      &waitForMessageImpl,
+      "_ZN3ros5topic18waitForMessageImplERNS_16SubscribeOptionsERKN5boost8functionIFbvEEERNS_"
+      "10NodeHandleENS_8DurationE");
+  bool is_of_participants = false;
+  const std::string name = node.resolveName(options.topic);
+  const boost::function<bool(void)> look = [&] {
+    is_of_participants =
+        is_of_participants || (shim::turn().holds() && !shim::topics().of(name).senders.empty());
+    return is_ready();
+  };
+  function(options, look, node, timeout);
+  if (!is_ready() && !is_of_participants && ros::ok() && shim::turn().holds()) {
+    shim::tellInVain("a message on " + name);
+  }
+}
+
+}  // namespace topic
 }  // namespace ros
