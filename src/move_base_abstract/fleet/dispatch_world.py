@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 #: if orders or robots wait for a robot that charges, time goes on, and the dispatcher looks again after this [ns]
 CHARGE_LOOK_NS = 60 * NS_PER_S
-_KEPT_WAYS = 50_000  # 10 MB
+_KEPT_WAYS = 10_000
 _MM = 1000.0
 
 
