@@ -65,3 +65,13 @@ def test_a_folder_that_is_kept_stays_and_one_whose_forks_have_ended_does_not(tmp
     temporary.let_go()
     assert temporary.remove_left() == [left_over]
     assert os.listdir(tmp_path) == [os.path.basename(kept)]
+
+
+def test_what_cannot_be_deleted_now_is_deleted_later(tmp_path, monkeypatch):
+    path = temporary.make('busy_')
+    (tmp_path / os.path.basename(path) / 'worker').mkdir()
+    with monkeypatch.context() as patched:
+        patched.setattr(temporary.shutil, 'rmtree', lambda *_args, **_kwds: None)  # as if somebody still wrote there
+        temporary.remove(path)
+    assert temporary.remove_left() == [path]
+    assert not os.listdir(tmp_path)

@@ -39,9 +39,23 @@ def make(name: str) -> str:
 
 
 def remove(path: str) -> None:
-    """Remove a folder of :func:`make`."""
-    shutil.rmtree(path, ignore_errors=True)
+    """Remove a folder of :func:`make`. If a process still writes there, the guard removes it in the end."""
+    _delete(path)
     _release(path)
+
+
+def _delete(path: str) -> None:
+    """Delete a folder, its marker last: what cannot be deleted now can be later."""
+    with contextlib.suppress(OSError):
+        for name in os.listdir(path):
+            one = os.path.join(path, name)
+            if os.path.isdir(one) and not os.path.islink(one):
+                shutil.rmtree(one, ignore_errors=True)
+            elif name != MARKER:
+                os.unlink(one)
+        if os.listdir(path) == [MARKER]:
+            os.unlink(os.path.join(path, MARKER))
+        os.rmdir(path)
 
 
 def keep(path: str) -> None:
@@ -84,7 +98,7 @@ def remove_left() -> List[str]:
                 continue
             marker = KIND.make(path)  # an error if it is not ours, or is locked
             try:
-                shutil.rmtree(path, ignore_errors=True)
+                _delete(path)
                 removed.append(path)
             finally:
                 os.close(marker)
