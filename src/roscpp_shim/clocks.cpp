@@ -18,8 +18,7 @@ constexpr Nanoseconds kEpoch =
     1'577'836'800 * kSecond;                 // 2020-01-01 UTC; each seed adds one second
 constexpr Nanoseconds kSeeds = 315'360'000;  // about ten years
 constexpr Nanoseconds kUptime = 3600 * kSecond;
-constexpr Nanoseconds kStep = 1'000'000;   // by which a clock goes on that is only looked at
-constexpr unsigned kClockReads = 1000000;  // reads at one instant, after which it goes on
+constexpr Nanoseconds kStep = 1'000'000;  // by which a clock goes on that is only looked at
 
 Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
 
@@ -37,7 +36,7 @@ std::atomic<unsigned> reads{0};  // of threads that take no turns
  */
 void countRead() {
   if (turn().isActive() && Turn::self() != nullptr) {
-    countLook(&Turn::self()->clock_reads, kClockReads);
+    countClockRead();
   } else if (++reads % kClockReads == 0) {
     tellPassage("a clock");
     slept += kStep;

@@ -196,6 +196,8 @@ void Turn::finish(Task* task) {
   Task* const next = hands_over ? firstReady() : nullptr;
   if (next != nullptr) {
     handOver(next);
+  } else if (isActive() && task->is_loose) {
+    tellEndOf(task);
   }
   t_local.task = nullptr;  // what it frees from here on has no order
   const Lock lock(mutex_);
@@ -209,6 +211,17 @@ void Turn::finish(Task* task) {
     }
   }
   forget(task);
+}
+
+/** @brief Let those that wait for the end of a thread that runs beside the others go on. */
+void Turn::tellEndOf(const Task* task) {
+  {
+    const Lock lock(mutex_);
+    for (Task* const one : waiting_) {
+      one->is_signalled = one->is_signalled || one->wait.end_of == task;
+    }
+  }
+  node().ring();
 }
 
 Task* Turn::adopt() {

@@ -218,6 +218,7 @@ class Turn {
   bool isReady(const Task& task, bool* by_activity) const;
   void handOver(Task* next);
   void park(Task* task);
+  void tellEndOf(const Task* task);
   void finish(Task* task);
   void forget(const Task* task);
   void watch();

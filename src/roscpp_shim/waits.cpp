@@ -22,9 +22,8 @@ CallbackQueuePtr getInternalCallbackQueue();  // exported by roscpp, but in none
 namespace move_base_abstract::shim {
 namespace {
 
-constexpr unsigned kIdlePolls = 3;         // waits in vain, after which a loop is one that waits
-constexpr unsigned kEmptyPolls = 1000;     // looks in vain, after which simulated time goes on
-constexpr unsigned kClockReads = 1000000;  // reads at one instant, after which time goes on
+constexpr unsigned kIdlePolls = 3;      // waits in vain, after which a loop is one that waits
+constexpr unsigned kEmptyPolls = 1000;  // looks in vain, after which simulated time goes on
 constexpr Nanoseconds kPollPeriod = 1'000'000;
 
 unsigned spinner_stops = 0;  // number of calls that stopped an AsyncSpinner
@@ -166,6 +165,16 @@ bool sleepUntil(Nanoseconds until) {
 
 void setStoringLoops(StoringLoops is_storing) { is_storing_loop = is_storing; }
 
+void countClockRead() {
+  unsigned* const count = &Turn::self()->clock_reads;
+  if (*count + 1 < kClockReads) {
+    ++*count;
+    return;
+  }
+  countLook(count, kClockReads);
+  *count = kClockReads - kClockReadsAgain;  // any other wait begins the count anew
+}
+
 void countLook(unsigned* count, unsigned limit) {
   if (++*count >= limit) {
     *count = 0;
@@ -215,7 +224,7 @@ Time Time::now() {
   static auto* const function = shim::real(&Time::now, "_ZN3ros4Time3nowEv");
   if (shim::turn().holds()) {
     shim::Turn::self()->has_acted = true;
-    shim::countLook(&shim::Turn::self()->clock_reads, shim::kClockReads);
+    shim::countClockRead();
   }
   return function();
 }

@@ -22,6 +22,12 @@ void setStoringLoops(StoringLoops is_storing);
  * it lets simulated time go on. */
 void countLook(unsigned* count, unsigned limit);
 
+constexpr unsigned kClockReads = 1000000;     // reads at one instant, after which time goes on,
+constexpr unsigned kClockReadsAgain = 10000;  // and those after which it goes on again
+
+/** @brief Count that the calling thread, which has the turn, has read a clock. */
+void countClockRead();
+
 /** @brief Let the other threads go first; in a loop of @p call, time goes on. @pre The thread has
  * the turn. */
 void giveWay(const char* call);

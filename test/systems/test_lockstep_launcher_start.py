@@ -254,3 +254,22 @@ class HabitsTest(unittest.TestCase):
         self.assertEqual(run.printed('loop'), ['2.600000000 after 66 looks'])
         self.assertIn('from here on it takes simulated time', run.logged('loop', 'WARN')[-1])
         self.assertIn('from here on it takes simulated time', ' '.join(run.state.not_repeatable_because))
+
+    def test_waits_in_the_kernel_with_a_time_out_are_sleeps(self):
+        greeter = [shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']
+        run = run_programs({'waits': [['--sleep', 'simulated'], 'kernel_waits.py'], 'greeter': greeter}, until=20.0)
+        lines = run.printed('waits')
+        self.assertEqual(lines[-2:], ["1 1 1 b'x'", 'slept'])
+        self.assertEqual([line.split()[0] for line in lines[:-2]],
+                         ['selector', 'poll', 'select', 'recv', 'queue', 'event', 'mutex', 'lock'])
+        self.assertEqual({line.partition(' after ')[2] for line in lines[1:-2] if 'queue' not in line}, {'2 looks'})
+        labels = ' '.join(run.state.not_repeatable_because)
+        for name in ('selectors', 'select.poll', 'select.select', 'socket.recv', 'multiprocessing'):
+            self.assertIn("'/waits': {} in ".format(name), labels)
+        self.assertNotIn('takes simulated time', labels)
+
+    def test_after_a_while_they_take_simulated_time(self):
+        greeter = [shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']
+        run = run_programs({'waits': ['kernel_waits.py'], 'greeter': greeter}, until=20.0)
+        self.assertEqual(run.printed('waits')[-1], 'slept')
+        self.assertIn('from here on it takes simulated time', ' '.join(run.state.not_repeatable_because))

@@ -1,6 +1,7 @@
 """Scripts that wait in loops without sleep, and scripts that log and publish much while they compute."""
 
 import os
+import shutil
 import unittest
 
 from lockstep_launcher_run import FOLDER, Scenario, assert_same, run_programs, run_scenario
@@ -112,6 +113,20 @@ class RestlessTest(unittest.TestCase):
         self.assertEqual(run.codes, {'restless': 0}, run.outputs)
         label, = run.state.not_repeatable_because
         self.assertIn('restless.py, line 19, went round 10,000,000 times without a wait', label)
+
+
+class TextsTest(unittest.TestCase):
+    """Code that a program compiles, or loads from a file, itself."""
+
+    def test_it_is_followed_as_the_rest(self):
+        run = run_programs({'texts': ['mission_texts.py'], 'greeter': [
+            shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
+        self.assertEqual(run.printed('texts'), [
+            'log 2020-01-01 00:00:01,500 heard', 'mission 1.500000000 2020-01-01 00:00:01.500000', 'True',
+            'plugin 2.000000000', '3 2 True', 'True'])
+        labels = ' '.join(run.state.not_repeatable_because)
+        self.assertIn("'/texts': mission.txt, line 7: goes through a set of objects", labels)
+        self.assertIn("'/texts': os.getpid in ", labels)  # by way of email.utils
 
 
 class TalkingTest(unittest.TestCase):

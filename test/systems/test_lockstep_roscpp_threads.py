@@ -227,6 +227,13 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         told = [line for line in run.printed(1) if line.endswith('goes on')]
         self.assertGreater(int(told[0].split()[0]), SECOND)
 
+    def test_threads_that_wait_again_and_again_in_such_a_way_go_on(self):
+        run = RUNS.run([Program('readers', own('shim_readers')), recorder('/told')])
+        self.assertEqual(run.code, 0, run.outputs)
+        texts = [line.split(' ', 3)[3] for line in run.printed(1)]
+        self.assertEqual(sorted(texts), ['goes on', *['got a'] * 4, *['got b'] * 4, *['got c'] * 4])
+        self.assertIn("'/readers': a thread waits for another one in a way that", run.labels[0])
+
     def test_threads_that_wait_for_work_are_idle_and_those_that_wait_for_each_other_are_stuck(self):
         for what, reason in (
                 ('jobs', 'idle at 3 s: no participant wants to wake up; waiting for work: '

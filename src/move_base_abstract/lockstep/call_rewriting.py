@@ -16,6 +16,8 @@ ASK, HASHED, FILE_TIME = '__lockstep_ask__', '__lockstep_hashed__', '__lockstep_
 #: likewise: ``KEPT(id)`` where the address is kept as a key, ``SHOWN(value, how)`` for what may be a text that shows an
 #: address, ``SHOWING(function)`` for a function such as ``repr`` that is handed on to be called
 KEPT, SHOWN, SHOWING = '__lockstep_kept__', '__lockstep_shown__', '__lockstep_showing__'
+#: likewise, for ``compile``; ``TEXT(source, 'exec' or 'eval', globals or None)`` for texts that the program runs
+COMPILING, TEXT = '__lockstep_compiling__', '__lockstep_text__'
 #: attributes whose values are handed to ASK
 ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'get_ident'))
 #: attributes of the results of os.stat and the like: when a file was written, read or changed
@@ -24,6 +26,7 @@ FILE_TIMES = frozenset(('st_{}time{}'.format(which, unit) for which in 'mac' for
 _ADDRESSES = ('id', 'get_ident')
 #: functions whose names are handed to ASK: these, and hash, which may return an address
 _HANDED = (*_ADDRESSES, 'hash')
+_RUN = ('eval', 'exec')
 #: methods that may get an address as it is, since they only compare it with others; and those that keep it, too
 _KEYED, _KEEPING = frozenset(('discard', 'remove', 'get', 'pop')), frozenset(('add', 'setdefault'))
 _SAME = (ast.Eq, ast.NotEq, ast.In, ast.NotIn, ast.Is, ast.IsNot)
@@ -54,7 +57,11 @@ class _Asking(ast.NodeTransformer):
         return _handed(ASK, node) if node.attr in ATTRIBUTES else node
 
     def visit_Name(self, node: ast.Name) -> Union[ast.Call, ast.Name]:  # noqa: N802
-        return _handed(ASK, node) if node.id in _HANDED and isinstance(node.ctx, ast.Load) else node
+        if not isinstance(node.ctx, ast.Load):
+            return node
+        if node.id == 'compile':
+            return _handed(COMPILING, node)
+        return _handed(ASK, node) if node.id in _HANDED else node
 
     def visit_Call(self, node: ast.Call) -> ast.AST:  # noqa: N802
         if isinstance(node.func, ast.Name) and node.func.id == 'hash' and len(node.args) == 1:
@@ -64,6 +71,11 @@ class _Asking(ast.NodeTransformer):
             self.generic_visit(node)
             node.func = _handed(ASK, node.func)
             return node
+        mode = getattr(node.func, 'id', '')
+        if mode in _RUN and node.args and not _has_builtins(node):
+            handed = _handed(TEXT, node.args[0])
+            handed.args += [ast.Constant(value=mode), *(one for one in node.args[1:2] if isinstance(one, ast.Name))]
+            node.args[0] = handed
         name = getattr(node.func, 'attr', '')
         if name == '__hash__':
             node.func = _handed(ASK, node.func)
@@ -134,6 +146,12 @@ def _is_present_of_numpy(node: ast.Call) -> bool:
     """Return whether a call is ``numpy.datetime64('now')`` or ``('today')``."""
     return getattr(node.func, 'attr', '') == 'datetime64' and bool(node.args) and getattr(
         node.args[0], 'value', None) in ('now', 'today')
+
+
+def _has_builtins(node: ast.Call) -> bool:
+    """Return whether a call's arguments are spread out, or name builtins of their own."""
+    return any(isinstance(one, ast.Starred) or getattr(one, 'value', None) == '__builtins__'
+               for argument in node.args[:2] for one in ast.walk(argument))
 
 
 def _is_of_id(node: Any) -> bool:

@@ -22,7 +22,7 @@ from .machine.native import native
 from .participation import early, finish, garbage, joining
 from .programs import address_layout, binary
 from .ros_master.master_calls import calls
-from .waiting import event_loops, threads, watchdog
+from .waiting import event_loops, kernel_waits, threads, watchdog
 
 if TYPE_CHECKING:
     import argparse
@@ -75,7 +75,8 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
-    native.install(start, seen, sleep)
+    kernel_waits.install(sleep.wait)
+    native.install(start, seen, sleep.by)
     arenas.install(os.environ)
 
 

@@ -59,6 +59,7 @@ _ASKED = 'reports the file to the time master, as one that is read'
 _SORTED = 'sorts the entries, which the file system gives in any order'
 _ROUNDS = 'switches the collection of garbage, which comes after a number of rounds, on or off'
 _TOLD = 'labels the run if the program calls it'
+_IN_KERNEL = 'labels the run if the program waits there; a wait in vain counts as a sleep'
 _HEARS = 'tells the time master whether feedback has any effect on an action client'
 _NUMBERED = 'is hashed by number, so that sets of them have one order'
 _TASKS = 'makes tasks of coroutines in the order in which they are given'
@@ -143,7 +144,8 @@ _ROWS = (
     *_rows(LOCKSTEP, 'makes the process leave in its last round', 'threading._shutdown', 'os._exit'),
     Row('sys.excepthook', LOCKSTEP,
         _UNCAUGHT + '; keeps quiet about the end of lockstep, which is not an error of the program'),
-    *_rows(THREADS, _LOCK, 'threading._allocate_lock', 'threading.Lock', 'threading.RLock'),
+    *_rows(THREADS, _LOCK, 'threading._allocate_lock', 'threading.Lock', 'threading.RLock', '_thread.allocate_lock',
+           '_thread.allocate'),
     Row('queue.SimpleQueue', THREADS, 'is made of locks that give the turn away'),
     Row('threading._time', THREADS, "is simulated for time-outs of the program's threads"),
     Row('queue.time', THREADS, "is simulated for time-outs of the program's threads"),
@@ -167,11 +169,17 @@ _ROWS = (
     Row('gc.enable', LAUNCHER, _ROUNDS),
     Row('gc.disable', LAUNCHER, _ROUNDS),
     *_rows(LAUNCHER, _TOLD, 'os.getpid', 'os.getppid', 'os.times', 'os.getloadavg', 'resource.getrusage',
-           'signal.setitimer', 'signal.alarm', 'signal.sigtimedwait', 'select.poll', 'select.epoll', 'select.select',
+           'signal.setitimer', 'signal.alarm', 'signal.sigtimedwait',
            '_posixsubprocess.fork_exec', 'os.getpgrp', 'os.uname', 'os.sched_getaffinity', 'os.path.getmtime',
            'os.path.getctime', 'os.path.getatime', 'shutil.disk_usage', 'socket.gethostname', 'socket.getfqdn',
            'platform.node', 'getpass.getuser', 'uuid.getnode', 'threading.get_native_id', 'threading.active_count',
            'threading.enumerate'),
+    *_rows(LAUNCHER, _IN_KERNEL, 'select.select', 'select.poll', 'select.epoll', 'selectors.SelectSelector.select',
+           'selectors.PollSelector.select', 'selectors.EpollSelector.select', 'socket.socket.accept',
+           'socket.socket.recv', 'socket.socket.recv_into', 'socket.socket.recvfrom', 'socket.socket.recvfrom_into'),
+    Row('multiprocessing.connection.wait', PROCESSES, _IN_KERNEL),
+    Row('multiprocessing.synchronize.SemLock._make_methods', PROCESSES,
+        'makes locks wait as those of threading do, as long as the process has no children'),
     Row('rospy.get_node_uri', LAUNCHER, _TOLD),
     Row('os.readlink', LAUNCHER, 'labels the run for what lies in /dev, /proc and /sys'),
     *_rows(LAUNCHER, _ASKED, 'os.stat', 'os.lstat', 'os.access'),
@@ -190,6 +198,8 @@ _ROWS = (
     Row('os.process_cpu_count', NEW_LAUNCHER, _CORES),
     Row('threading._newname', LAUNCHER, 'counts the threads that the program makes, without those of rospy'),
     Row('logging._logRecordFactory', LAUNCHER, "gives records of the program's log simulated time"),
+    Row('importlib.machinery.SourceFileLoader.get_code', LAUNCHER,
+        "compiles the program's own modules with calls that tell lockstep what it must know"),
     Row('importlib.machinery.SourceFileLoader.exec_module', LAUNCHER,
         "hashes objects of the module's classes by number, so that sets of them have one order"),
     Row('sqlite3.connect', SQLITE, _SQLITE),

@@ -78,9 +78,10 @@ void sleepWall(Nanoseconds duration) {
     addSleep(duration);
     wait.next_round = true;  // after the sleep it sees all that has happened at this instant
   } else {
-    node().label(
+    tell(
         "a thread sleeps by the wall clock until something happens; from here on its sleeps take "
-        "simulated time (see --sleep simulated)");
+        "simulated time (see --sleep simulated)",
+        nullptr);
     me.sleeps_simulated = true;
     wait.until = node().now() + duration;
   }

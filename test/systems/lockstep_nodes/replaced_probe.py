@@ -30,7 +30,7 @@ from move_base_abstract_ros.replacing import replaced
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
            'os', '_thread', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc',
-           'asyncio', 'xmlrpc', 'getpass', '_imp', 'platform', 'shutil', 'socket')
+           'asyncio', 'xmlrpc', 'getpass', '_imp', 'platform', 'shutil', 'selectors', 'socket')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
@@ -43,7 +43,8 @@ def contents():
                 add(found, '{}.{}'.format(name, key), value, name)
     for name in ('excepthook', 'unraisablehook'):
         found['sys.' + name] = identity(getattr(sys, name))
-    found['importlib.machinery.SourceFileLoader.exec_module'] = identity(SourceFileLoader.exec_module)
+    for name in ('exec_module', 'get_code'):
+        found['importlib.machinery.SourceFileLoader.' + name] = identity(getattr(SourceFileLoader, name))
     return found
 
 

@@ -28,7 +28,8 @@ _BETWEEN = frozenset(('random', 'secrets', 'uuid', 'os', '_strptime'))
 _ROS = frozenset(('rospy', 'rosgraph', 'roslib', 'rospkg', 'genpy', 'genmsg', 'rosmaster', 'catkin'))
 _ROS_TOOLS = frozenset(('rosnode', 'rosservice', 'rostopic', 'rosparam', 'rosmsg'))
 #: files of the packages above that see the run's clocks: for time-outs of waits, and durations of a timer's callbacks
-_PROGRAMS = ('/concurrent/futures/_base.py', '/rospy/timer.py')
+_PROGRAMS = ('/concurrent/futures/_base.py', '/rospy/timer.py', '/multiprocessing/queues.py',
+             '/multiprocessing/synchronize.py')
 #: files of Python's library that start another process to ask about the system
 _OF_SYSTEM = ('ctypes/util.py', 'platform.py', 'uuid.py')
 
@@ -48,9 +49,13 @@ def _place(filename: str) -> Tuple[str, bool]:
 @lru_cache(maxsize=None)
 def is_of_program(filename: str) -> bool:
     """Return whether the code of a file sees the run's clocks and chance, not the machine's."""
+    return filename.endswith(_PROGRAMS) or asks_for_program(filename)
+
+
+@lru_cache(maxsize=None)
+def asks_for_program(filename: str) -> bool:
+    """Return whether what the code of a file asks the machine for may reach the program, also by way of a library."""
     name, is_stdlib = _place(filename)
-    if filename.endswith(_PROGRAMS):
-        return True
     return name not in ('', *_MACHINES) if is_stdlib else name not in _ROS
 
 

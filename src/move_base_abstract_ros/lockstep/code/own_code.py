@@ -8,30 +8,33 @@ catkin workspace are its own, too, except ROS's distribution and generated modul
 not kept: Python's own files of compiled modules stay as they are.
 """
 from __future__ import annotations
+import __future__
 
 import ast
+import builtins
 import csv
 import os
 import re
 import sys
 import sysconfig
 from functools import lru_cache
-from importlib import machinery
-from typing import Any, Dict, FrozenSet, Set
+from typing import Any, Callable, Dict, FrozenSet, Set, Union
 
 import rospy
 
 import move_base_abstract
-from move_base_abstract.lockstep.call_rewriting import ask
+from move_base_abstract.lockstep.call_rewriting import COMPILING, TEXT, ask
 from move_base_abstract.lockstep.instrument import dotted, hand_over_called, instrument
 from move_base_abstract.lockstep.object_order import follow_order
 
+from ...replacing.replaced import replace
 from .turns import LOOKING
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
 _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
 _GENERATED = re.compile(r'(^|/)(msg|srv|cfg)/')
 _SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
+_FUTURES = sum(getattr(__future__, name).compiler_flag for name in __future__.all_feature_names)
 _LARGEST = 16 * 1024 * 1024  # the most bytes that are read of a list of installed files
 #: the folders of this package
 OWN = (os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 2)) + '/',
@@ -92,44 +95,64 @@ def _listed(path: str) -> Set[str]:
 
 
 def install() -> None:
-    """Compile the program's own modules with the added calls, from now on."""
-    sys.path_hooks.insert(0, _finder)
-    sys.path_importer_cache.clear()
+    """Compile the program's own code with the added calls, from now on: modules, and texts that it compiles itself."""
+    replace('importlib.machinery.SourceFileLoader.get_code', _loading)
+    setattr(builtins, COMPILING, _compiling)
+    setattr(builtins, TEXT, _text)
 
 
-def _finder(path: str) -> Any:
-    if not os.path.isdir(path or '.') or is_library(os.path.abspath(path) + '/'):
-        raise ImportError('only folders of the program', path=path)
-    return machinery.FileFinder(path, (machinery.ExtensionFileLoader, machinery.EXTENSION_SUFFIXES),
-                                (SourceFileLoader, machinery.SOURCE_SUFFIXES),
-                                (machinery.SourcelessFileLoader, machinery.BYTECODE_SUFFIXES))
-
-
-class SourceFileLoader(machinery.SourceFileLoader):
-    """Loads modules of the program from their source. It has the name of Python's own loader, which it replaces."""
-
-    def get_code(self, fullname: str) -> Any:
-        """Return the compiled code of a module."""
+def _loading(get_code: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``get_code`` of the loader of modules that are files, however the program finds them."""
+    def load(self: Any, fullname: str) -> Any:
         path = self.get_filename(fullname)
-        if is_library(path):
-            return super().get_code(fullname)
-        return compile_own(self.get_data(path), path)
+        return get_code(self, fullname) if is_library(path) else compile_own(self.get_data(path), path)
+    return load
 
 
-def compile_own(source: bytes, path: str) -> Any:
-    """Return the code of a file of the program, compiled with the added calls.
+def _compiling(function: Any) -> Any:
+    """Return what the program's own code gets for ``compile``: the same for texts of its own."""
+    return _compile if function is compile else function
+
+
+def _compile(source: Any, filename: Any, mode: str, flags: int = 0, dont_inherit: bool = False,
+             optimize: int = -1, **others: Any) -> Any:
+    """Stand in for ``compile``."""
+    inherited = 0 if dont_inherit else sys._getframe(1).f_code.co_flags & _FUTURES
+    if flags & ~_FUTURES or mode == 'single' or not isinstance(source, (str, bytes)) or not isinstance(filename, str):
+        return compile(source, filename, mode, flags | inherited, True, optimize, **others)
+    return compile_own(source, filename, mode, flags | inherited)
+
+
+def _text(source: Any, mode: str, names: Any = None) -> Any:
+    """Return the code of a text that the program hands to ``exec`` or ``eval``, for names that have Python's builtins.
+
+    ``names``: the globals that it hands on; None: its own.
+    """
+    frame = sys._getframe(1)
+    is_shadowed = mode in frame.f_globals or mode in frame.f_locals
+    if is_shadowed or not isinstance(source, (str, bytes)) or isinstance(names, dict) and names.get(
+            '__builtins__', builtins) not in (builtins, builtins.__dict__):
+        return source
+    blanks: Any = ' \t' if isinstance(source, str) else b' \t'
+    return compile_own(source.lstrip(blanks) if mode == 'eval' else source, '<string>', mode,
+                       frame.f_code.co_flags & _FUTURES)
+
+
+@lru_cache(maxsize=256)
+def compile_own(source: Union[bytes, str], path: str, mode: str = 'exec', flags: int = 0) -> Any:
+    """Return the code of a file or text of the program, compiled with the added calls.
 
     :raises SyntaxError: as compile does.
     """
-    tree: Any = compile(source, path, 'exec', ast.PyCF_ONLY_AST, dont_inherit=True)
+    tree: Any = compile(source, path, mode, ast.PyCF_ONLY_AST | flags, dont_inherit=True)
     try:
         tree, looking = instrument(tree)
-        code = compile(hand_over_called(ask(follow_order(tree))), path, 'exec', dont_inherit=True)
+        code = compile(hand_over_called(ask(follow_order(tree))), path, mode, flags, dont_inherit=True)
         LOOKING.update(((path, *place), may_look) for place, may_look in looking.items())
         return code
     except RecursionError:  # at some hundreds of branches of one `if`
         rospy.logwarn('lockstep: %s is nested too deeply for its waiting loops and its sets to be followed', path)
-        return compile(source, path, 'exec', dont_inherit=True)
+        return compile(source, path, mode, flags, dont_inherit=True)
 
 
 def names_of_script(source: bytes) -> Dict[str, Any]:

@@ -43,6 +43,11 @@ def install(seed: int, is_simulated: bool, slept_ns: MutableSequence[int]) -> _C
     return clocks
 
 
+def sleep_ns(seconds: float) -> int:
+    """Return the length of a sleep [ns], at least 1: a loop that sleeps for the rest of a time must come to its end."""
+    return max(1, seconds_to_ns(seconds))
+
+
 class _Clocks:
     """The clocks, and what they show to the code that reads them."""
 
@@ -78,7 +83,7 @@ class _Clocks:
 
     def add_sleep(self, seconds: float) -> None:
         """Move the clocks on by ``seconds``, for which the program has slept in wall time."""
-        self._clocks.add_sleep(seconds_to_ns(seconds))
+        self._clocks.add_sleep(sleep_ns(seconds) if seconds > 0 else 0)
 
     def date_ns(self, frame: Any) -> Optional[int]:
         """Return the date [ns] that the code of a frame sees; None if it sees the machine's."""

@@ -16,13 +16,14 @@ from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep.machine_view import DATE, UPTIME
 
 from ...replacing.replaced import replace
-from ..code.callers import is_of_program
+from ..code.callers import sees_run
 from ..code.labels import told
 
 CORES = 4
 _THREADS = 'Thread-%d'
 #: modules whose threads come and go by the wall clock
 _FOREIGN = ('rospy.impl.', 'rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'move_base_abstract_ros.')
+_LOGGING = ('logging', 'rosgraph.roslogging')
 
 
 def install(clocks: Any) -> None:
@@ -56,7 +57,10 @@ def _is_foreign(frame: Any) -> bool:
 def _recording(make: Any, clocks: Any) -> Callable[..., Any]:
     def record(*args: Any, **kwds: Any) -> Any:
         made = make(*args, **kwds)
-        if told.is_ordered() and is_of_program(made.pathname):
+        frame: Any = sys._getframe(1)  # not the record's own place, which a logger of rospy does not always find
+        while frame is not None and frame.f_globals.get('__name__') in _LOGGING:
+            frame = frame.f_back
+        if told.is_ordered() and sees_run(frame):
             now_ns = clocks.now(DATE)
             made.created = now_ns / NS_PER_S
             made.msecs = float(now_ns % NS_PER_S // 1000000)

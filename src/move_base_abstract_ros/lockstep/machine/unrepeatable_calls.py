@@ -12,16 +12,14 @@ import os
 import platform  # noqa: F401
 import re
 import resource  # noqa: F401
-import select  # noqa: F401
 import shutil  # noqa: F401
 import signal  # noqa: F401
 import socket  # noqa: F401
 import sys
 import threading
-import time
 import types
 from contextlib import AbstractContextManager
-from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterator, Optional
 
 import rosgraph
 import rospy
@@ -32,7 +30,7 @@ from move_base_abstract.lockstep.own_cores import own_cores
 from move_base_abstract.lockstep.stable_hash import Address, Numbered, is_hashed_by_address
 
 from ...replacing.replaced import replace
-from ..code.callers import is_own, own_frame
+from ..code.callers import asks_for_program, is_own, own_frame
 from ..code.imports import when_imported
 from ..code.labels import NUMBER, told
 from . import arenas, chance
@@ -60,7 +58,6 @@ _WOKEN = 'has the kernel wake the program by the wall clock'
 _COMPUTER = 'differs from computer to computer'
 _WRITTEN = 'says when a file was written, by the wall clock'
 _THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
-_WATCHES = 'looks at a connection or a file, by the wall clock'
 #: {function: label}; it counts if the program's own code calls it
 CALLS = {
     'os.getpid': NUMBER, 'os.getppid': NUMBER, 'os.getpgrp': NUMBER, 'threading.get_native_id': NUMBER,
@@ -72,7 +69,6 @@ CALLS = {
     'rospy.get_node_uri': 'has a port, which is another one in another run',
     'os.times': _PROCESSOR, 'os.getloadavg': _PROCESSOR, 'resource.getrusage': _PROCESSOR,
     'signal.setitimer': _WOKEN, 'signal.alarm': _WOKEN, 'signal.sigtimedwait': _WOKEN,
-    'select.poll': _WATCHES, 'select.epoll': _WATCHES,
 }
 #: a log's format with the number of a process or thread
 _NUMBER_IN_LOG = re.compile(r'%\((process|thread)\)|[{$]\{?(process|thread)\b')
@@ -98,7 +94,6 @@ def install() -> None:
     replace('_imp.create_dynamic', own_cores.loading)
     for name, why in CALLS.items():
         replace(name, lambda function, name=name, why=why: _telling(function, name, why))
-    replace('select.select', _selecting)
     replace('os.readlink', _reading_link)
     replace('logging.Formatter.__init__', _formatting)
     replace('threading.Thread.ident', lambda of: property(lambda thread: _ident_of(of.fget(thread))))
@@ -141,8 +136,8 @@ def hand_on(clocks: Any) -> None:
 def _telling(function: Any, name: str, why: str) -> Callable[..., Any]:
     def call(*args: Any, **kwds: Any) -> Any:
         frame = sys._getframe(1)
-        if is_own(frame):
-            told.tell(frame, name, why)
+        if is_own(frame) or asks_for_program(frame.f_code.co_filename):
+            told.tell(own_frame(frame), name, why)
         return function(*args, **kwds)
     return call
 
@@ -183,20 +178,6 @@ def _spawning(fork_exec: Callable[..., Any]) -> Callable[..., Any]:
             told.tell(own_frame(frame), '_posixsubprocess.fork_exec', _PROCESS)
         with own_cores.lifted():
             return fork_exec(*args)
-    return call
-
-
-def _selecting(select_: Callable[..., Any]) -> Callable[..., Any]:
-    """Return ``select.select`` that labels the run; without any file it is a sleep."""
-    def call(rlist: Sequence[Any], wlist: Sequence[Any], xlist: Sequence[Any], timeout: Optional[float] = None,
-             /) -> Tuple[List[Any], List[Any], List[Any]]:
-        frame = sys._getframe(1)
-        if is_own(frame):
-            if timeout is not None and isinstance(rlist, (list, tuple)) and not (rlist or wlist or xlist):
-                time.sleep(max(0.0, timeout))
-                return [], [], []
-            told.tell(frame, 'select.select', _WATCHES)
-        return select_(rlist, wlist, xlist, timeout)
     return call
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..participation.taking_part import Participant
 
 #: modules whose threads, or threads that run their functions, are never the application's
-_FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.', 'move_base_abstract_ros.lockstep.',
+_FOREIGN = ('rosgraph.', 'xmlrpc.', 'socketserver.', 'http.', 'logging.config.', 'move_base_abstract_ros.lockstep.',
             'move_base_abstract_ros.messages.outbox.')
 #: modules that start rospy's own threads. (A thread of the application may run a function of rospy, as rospy.spin.)
 _ROSPY = 'rospy.impl.'
@@ -51,6 +51,7 @@ def replace_locks() -> None:
     """Make locks that are made from now on give the turn away. Until the process takes part they are ordinary locks."""
     now = clock(time.monotonic)
     for name, stand_in in (('threading._allocate_lock', CooperativeLock), ('threading.Lock', CooperativeLock),
+                           ('_thread.allocate_lock', CooperativeLock), ('_thread.allocate', CooperativeLock),
                            ('threading.RLock', CooperativeRLock),
                            ('queue.SimpleQueue', queue._PySimpleQueue),  # type: ignore[attr-defined]
                            ('threading._time', now), ('queue.time', now)):

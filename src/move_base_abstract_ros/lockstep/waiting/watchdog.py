@@ -1,9 +1,12 @@
-"""time.sleep of an unmodified program sleeps in wall time while simulated time stands still, or in simulated time."""
+"""time.sleep of an unmodified program sleeps in wall time while simulated time stands still, or in simulated time.
+
+So do waits in the kernel that have a time-out (:mod:`kernel_waits`): in vain they are sleeps.
+"""
 from __future__ import annotations
 
 import sys
 import time
-from typing import TYPE_CHECKING, Any, Callable, Set
+from typing import TYPE_CHECKING, Any, Callable, List, Set
 
 import rospy
 
@@ -13,6 +16,7 @@ from move_base_abstract.lockstep.task import TurnLost
 from ...replacing.replaced import replace
 from ..code.callers import own_frame
 from ..code.labels import told
+from ..machine.clocks import sleep_ns
 from ..ros_master.queries import settle
 
 if TYPE_CHECKING:
@@ -26,8 +30,8 @@ _OWN = __name__.partition('.waiting.')[0] + '.exchange.'
 _LONG_SLEEPS = 5.0  # s, wall, at one instant
 
 
-def install(sleep: str, take_part: Callable[..., Any], clocks: Any) -> Callable[..., Any]:
-    """Replace time.sleep; return a function ``by(seconds, frame)`` that sleeps in this way for the code of a frame.
+def install(sleep: str, take_part: Callable[..., Any], clocks: Any) -> Sleep:
+    """Replace time.sleep; return the sleep, by which other code sleeps and waits in this way.
 
     :param sleep: the time that a sleep takes: 'wall' or 'simulated'.
     :param take_part: function ``take_part(what)`` by which a program that is not a node yet takes part, before the
@@ -35,9 +39,9 @@ def install(sleep: str, take_part: Callable[..., Any], clocks: Any) -> Callable[
     :param clocks: the clocks that the program sees.
     """
     replace('os.sched_yield', lambda sched_yield: lambda: _look(sched_yield))
-    made = _Sleep(sleep, take_part, time.sleep, clocks)
+    made = Sleep(sleep, take_part, time.sleep, clocks)
     replace('time.sleep', lambda _wall_sleep: made)
-    return made.by
+    return made
 
 
 def _look(sched_yield: Any) -> None:
@@ -47,7 +51,7 @@ def _look(sched_yield: Any) -> None:
         sched_yield()
 
 
-class _Sleep:
+class Sleep:
     """Replaces time.sleep, for the application's threads."""
 
     def __init__(self, kind: str, take_part: Callable[..., Any], wall_sleep: Callable[..., Any], clocks: Any) -> None:
@@ -60,6 +64,7 @@ class _Sleep:
         self._is_warned: Set[Any] = set()
 
     def __call__(self, seconds: float, /) -> None:
+        """Sleep as time.sleep does."""
         frame = sys._getframe(1)
         if seconds < 0 or _is_of_ros(frame):
             self._wall_sleep(seconds)
@@ -92,10 +97,45 @@ class _Sleep:
         if not self._is_simulated:
             self._warn(frame)
             settle(participant.scheduler)
-            self._give_in(participant, seconds)
+            self._give_in(participant, seconds, 'time.sleep', frame)
         if self._is_simulated:
-            participant.scheduler.wait(participant.now_ns + round(seconds * 1e9))
+            participant.scheduler.wait(participant.now_ns + sleep_ns(seconds))
         return self._is_simulated
+
+    def wait(self, ask: Callable[[float], Any], seconds: float, frame: Any, what: str) -> Any:
+        """Return what ``ask(seconds)`` does: a wait in the kernel, ``what``, for the code of a frame.
+
+        If its result is false, it was in vain, and counts as a sleep. Where sleeps take simulated time, so does it.
+        """
+        participant = told.participant
+        if participant is None or not participant.scheduler.is_mine():
+            return ask(seconds)
+        found = None
+        try:
+            settle(participant.scheduler)
+            if not self._is_simulated:
+                by_the_wall = min(seconds, _LONG_SLEEPS)
+                found = ask(by_the_wall)
+                if not found:
+                    self._clocks.add_sleep(by_the_wall)
+                    self._give_in(participant, seconds, what, frame)
+                    seconds -= by_the_wall
+            if not found and seconds > 0 and self._is_simulated:
+                found = self._wait_in_turn(participant.scheduler, ask, seconds)
+        except TurnLost:
+            found = ask(min(0.1, seconds))
+        return found
+
+    @staticmethod
+    def _wait_in_turn(scheduler: Any, ask: Callable[[float], Any], seconds: float) -> Any:
+        """Ask whenever something has happened in this process, until ``seconds`` of simulated time are over."""
+        found: List[Any] = [None]
+
+        def is_there() -> bool:
+            found[0] = ask(0)
+            return bool(found[0])
+        scheduler.wait_until(is_there, scheduler.now_ns + sleep_ns(seconds))
+        return found[0]
 
     def _warn(self, frame: Any) -> None:
         """Warn, once for each place, that simulated time stands still in a sleep, which the program may not mean."""
@@ -106,15 +146,17 @@ class _Sleep:
             rospy.logwarn('%s: time.sleep in %s, line %d: sleeps in wall time while simulated time stands still '
                           '(--sleep simulated turns this into simulated time)', rospy.get_name(), *place)
 
-    def _give_in(self, participant: Any, seconds: float) -> None:
+    def _give_in(self, participant: Any, seconds: float, what: str, frame: Any) -> None:
         """Let sleeps take simulated time if the program sleeps for long at one instant: it seems to wait for that."""
         if participant.now_ns != self._at_ns:
             self._at_ns, self._slept = participant.now_ns, 0.0
         self._slept += seconds
         if self._slept > _LONG_SLEEPS:
             self._is_simulated = True
-            told.tell_text('time.sleep was called for more than {:g} s while simulated time stood at {:.9f} s; from '
-                           'here on it takes simulated time, as with --sleep simulated'.format(
+            own = own_frame(frame)
+            told.tell_text('{}{} was called for more than {:g} s while simulated time stood at {:.9f} s; from here on '
+                           'it takes simulated time, as with --sleep simulated'.format(
+                               what, own and ' in {}, line {},'.format(own.f_code.co_filename, own.f_lineno) or '',
                                _LONG_SLEEPS, participant.now_ns * 1e-9))
 
 
