@@ -319,3 +319,38 @@ def test_a_robot_that_is_not_there_cannot_start_anywhere(package):
     path = package('one.launch', '<launch><node pkg="move_base_abstract" type="move_base" name="move_base"/></launch>')
     with pytest.raises(ConfigurationError, match='--start /b: the launch file has no node of this name; it has /m'):
         plan.plan_of(plan.read([(path, [])]), plan.LaunchOptions(start={'/b': (0.0, 0.0, 0.0)}))
+
+
+def test_no_guess_by_a_part_of_a_name_has_precedence_over_a_program_that_is_here(package):
+    for name in ('kobuki_fleet', 'team_slam', 'laser_tag'):
+        package('../{}/package.xml'.format(name), '<package><name>{}</name></package>'.format(name))
+        for program, more in (('coordinator.py', ''), ('keys.py', 'import termios\n')):
+            package('../{}/scripts/{}'.format(name, program), '#!/usr/bin/env python3\nimport rospy\n' + more, 0o755)
+    path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="kobuki_fleet" type="coordinator.py" name="a" args="-x 30 -y 20" respawn="true"/>
+      <node pkg="team_slam" type="coordinator.py" name="b"/> <node pkg="laser_tag" type="coordinator.py" name="c"/>
+      <node pkg="kobuki_fleet" type="keys.py" name="keys"/> <node pkg="kobuki_fleet" type="not_built" name="task"/>
+      <node pkg="laser_of_nobody" type="filter" name="filter"/>
+      <node pkg="joy" type="joy_node" name="joy"/></launch>""")
+    made = adopt(path)
+    assert made.options.leave_out == ('/keys', '/task', '/filter', '/joy')
+    assert made.options.no_respawn and tuple(made.options.start.items()) == ()
+    for name in 'abc':
+        assert sum(line.startswith('/{} ('.format(name)) and 'stays: its program is here' in line
+                   and '--leave-out /{} '.format(name) in line for line in made.remarks) == 1
+    assert any('/task (kobuki_fleet/not_built) is left out: this program is not installed here; build its package'
+               in line for line in made.remarks)
+    assert any('/keys (kobuki_fleet/keys.py) is left out' in line and '--participant /keys keeps it' in line
+               for line in made.done)
+    assert adopt(path, participant=('/keys',)).options.leave_out == ('/task', '/filter', '/joy')
+
+
+def test_a_second_mention_of_a_place_is_the_robots_place_too(package):
+    node = '<node pkg="{0}" type="{0}" name="{0}"><param name="initial_pose_x" value="{1}"/></node>'
+    other = node.replace('value="{1}"', 'value="{2}"').replace('name="{0}">', 'name="own_{0}">')
+    robot = '<group ns="{3}"><node pkg="move_base" type="move_base" name="move_base"/>' + node + other + '</group>'
+    made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
+        robot.format('amcl', 2, 2, 'r1'), robot.format('amcl', 5, 7, 'r2'))))
+    assert tuple(made.options.start.items()) == (('/r1/move_base', (2.0, 0.0, 0.0)), ('/r2/move_base', (5.0, 0.0, 0.0)))
+    assert not any('is not a robot of this run' in line for line in made.remarks)
+    assert ['/r2/move_base could start elsewhere: (7, 0, 0)' in line for line in made.remarks].count(True) == 1

@@ -6,10 +6,14 @@ ROBOT, MAP, LEFT_OUT, FRAME, STATE, ELSE = 'robot', 'map', 'left out', 'frame', 
 
 
 class Kind(NamedTuple):
-    """The kind of a node. ``word``: ROBOT, MAP, LEFT_OUT, FRAME, STATE or ELSE. ``why``: the reason for LEFT_OUT."""
+    """The kind of a node. ``word``: ROBOT, MAP, LEFT_OUT, FRAME, STATE or ELSE. ``why``: the reason for LEFT_OUT.
+
+    ``is_guess``: whether only a part of the name says so. What is there takes precedence over a guess.
+    """
 
     word: str
     why: str = ''
+    is_guess: bool = False
 
 
 _BY_NAME = {
@@ -29,35 +33,43 @@ _SENSES = 'it processes data of sensors or wheels, and there are none'
 _PERSON = 'it waits for a person or a joystick'
 _TOOLS = 'it drives a device, and there is none'
 _TO_DRIVE = 'it drives the robot, and so does ours'
-#: (expression for 'package/type', why such a node is left out); the first that matches counts
-_LEFT_OUT = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
+#: public packages by full name, whose nodes are left out even if they are installed
+_KNOWN = {name: Kind(LEFT_OUT, why) for names, why in (
+    ('gazebo_ros gazebo gazebo_plugins ros_gz_sim ros_gz_bridge ros_gz_image ros_ign_gazebo ros_ign_bridge stage_ros '
+     'stage stdr_server stdr_robot stdr_gui flatland_server mvsim morse_ros webots_ros pedsim_simulator', _SIMULATOR),
+    ('controller_manager twist_mux cmd_vel_mux yocs_cmd_vel_mux yocs_velocity_smoother', _TO_DRIVE),
+    ('amcl fake_localization mcl_3dl als_ros robot_pose_ekf robot_localization', _PLACE),
+    ('gmapping slam_gmapping slam_toolbox slam_karto hector_mapping cartographer_ros rtabmap_ros rtabmap_slam '
+     'octomap_server laser_filters laser_scan_matcher laser_assembler pointcloud_to_laserscan depthimage_to_laserscan '
+     'ira_laser_tools imu_filter_madgwick imu_complementary_filter', _SENSES),
+    ('joy teleop_twist_keyboard teleop_twist_joy key_teleop turtlebot_teleop turtlebot3_teleop kobuki_keyop', _PERSON),
+    ('rosserial_python rosserial_server kobuki_node rplidar_ros urg_node hokuyo_node sick_scan sick_tim lms1xx '
+     'realsense2_camera usb_cam velodyne_driver velodyne_pointcloud ydlidar_ros hls_lfcd_lds_driver rosaria',
+     _TOOLS)) for name in names.split()}
+#: (expression for 'package/type', why such a node is left out if its package is not here); the first match counts
+_GUESSED = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
     ('.*', '(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\\.py)?', _SPAWNS),
-    ('gazebo_ros|gazebo|gazebo_plugins|ros_gz.*|ros_ign.*', '.*', _SIMULATOR),
-    ('stage_ros|stage|stdr_.*|flatland_server|mvsim|morse.*|coppeliasim.*|vrep.*|webots_ros|pedsim_simulator',
-     '.*', _SIMULATOR),
-    ('controller_manager', '.*', _TO_DRIVE),
-    ('amcl|fake_localization|mcl.*|als_ros|robot_pose_ekf|robot_localization', '.*', _PLACE),
-    ('gmapping|slam_.*|hector_mapping|cartographer_ros|karto.*|rtabmap.*|octomap_server|.*_slam', '.*', _SENSES),
-    ('laser_.*|pointcloud_.*|depthimage_.*|imu_.*|ira_laser_tools|scan_tools|laser_scan_matcher', '.*', _SENSES),
-    ('teleop.*|.*_teleop|joy|turtlesim', '.*teleop.*|.*key.*|joy.*', _PERSON),
-    ('twist_mux|cmd_vel_mux|yocs_cmd_vel_mux|yocs_velocity_smoother|topic_tools', 'twist_mux|cmd_vel_mux|.*smoother.*',
-     _TO_DRIVE),
-    ('rosserial.*|kobuki_.*|rplidar_ros|urg_node|hokuyo_node|sick_.*|lms1xx|realsense2_camera|usb_cam|velodyne_.*|'
-     'ydlidar.*|hls_lfcd_lds_driver|.*_driver|.*_drivers|rosaria|.*_hardware', '.*', _TOOLS),
+    ('ros_gz.*|ros_ign.*|stdr_.*|morse.*|coppeliasim.*|vrep.*', '.*', _SIMULATOR),
+    ('mcl.*', '.*', _PLACE),
+    ('slam_.*|karto.*|rtabmap.*|.*_slam|laser_.*|pointcloud_.*|depthimage_.*|imu_.*|scan_tools', '.*', _SENSES),
+    ('teleop.*|.*_teleop', '.*teleop.*|.*key.*|joy.*', _PERSON),
+    ('rosserial.*|kobuki_.*|sick_.*|velodyne_.*|ydlidar.*|.*_driver|.*_drivers|.*_hardware', '.*', _TOOLS),
 )]
+#: modules of programs that read a keyboard, a joystick or a device; they confirm a guess
+HANDS = ('termios', 'tty', 'curses', 'pynput', 'pygame', 'serial', 'smbus', 'RPi', 'usb')
 _CLOCK = re.compile(r'(?:.*_)?(?:sim_?time|clock)(?:_.*)?(?:\.py)?')
 CLOCK = 'it is a clock, and in lockstep only the time master is one'
 NO_PROGRAM = 'this program is not installed here'
 
 
 def kind_of(package, name):
-    """Return the Kind of a node's package and type."""
-    known = _BY_NAME.get((package, name))
+    """Return the Kind of a node's package and type, as far as their names show."""
+    known = _BY_NAME.get((package, name)) or _KNOWN.get(package)
     if known is not None:
         return known
-    for expression, why in _LEFT_OUT:
+    for expression, why in _GUESSED:
         if expression.fullmatch('{}/{}'.format(package, name)):
-            return Kind(LEFT_OUT, why)
+            return Kind(LEFT_OUT, why, is_guess=True)
     return Kind(ELSE)
 
 

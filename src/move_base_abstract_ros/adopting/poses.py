@@ -63,14 +63,14 @@ def hints(config):
     found = [*_of_parameters(config)]
     stages = []
     for node in config.nodes:
-        word = kinds.kind_of(node.package, node.type).word
-        if word == kinds.FRAME:
+        kind = kinds.kind_of(node.package, node.type)
+        if kind.word == kinds.FRAME:
             found += _of_frame(node)
         elif node.package in ('stage_ros', 'stage') or node.type == 'stageros':
             more, stage = _of_stage(config, node)
             found += more
             stages.append(stage)
-        elif word == kinds.LEFT_OUT:
+        elif kind.word == kinds.LEFT_OUT and (not kind.is_guess or 'spawn' in node.type):
             found += _of_spawner(node)
     for one in getattr(config, 'missing', ()):
         if one.kind == 'include':

@@ -119,9 +119,19 @@ def starts_of(robots, hints, stages):
         known, guessed = _assigned(robots, of_source)
         whose.update({**known, **guessed})
         by_order |= set(guessed)
-    found = [_start(robot, [hint for hint in hints if whose.get(hint) == robot.name], stages, by_order)
+    seconds = [hint for hint in hints if hint not in whose and hint.is_robot and hint.source != poses.FRAME]
+    whose.update((hint, robot.name) for hint in seconds for robot in reversed(robots) if _is_named(robot, hint))
+    in_order = [*(hint for hint in hints if hint not in seconds), *seconds]
+    found = [_start(robot, [hint for hint in in_order if whose.get(hint) == robot.name], stages, by_order)
              for robot in robots]
-    return found, [hint for hint in hints if hint not in whose and hint.is_robot and hint.source != poses.FRAME]
+    offset = _offset(stages)
+    return found, [hint for hint in seconds if hint not in whose and not any(
+        start.hint is not None and not _differ(in_map(hint, offset), start.pose) for start in found)]
+
+
+def _is_named(robot, hint):
+    """Return whether a hint says which robot it is for."""
+    return robot.namespace == hint.namespace != '/' or bool(robot.names & hint.names)
 
 
 def _assigned(robots, hints):
@@ -148,7 +158,7 @@ def _score(robot, hint, count):
 
 
 def _start(robot, hints, stages, by_order):
-    offset = next((stage.offset for stage in stages if stage.offset is not None), None)
+    offset = _offset(stages)
     by_source = {hint.source: hint for hint in reversed(hints)}
     stage, localizer = by_source.get(poses.STAGE), by_source.get(poses.LOCALIZER)
     order = [stage if offset else None, localizer if localizer and any(localizer.pose) else None, stage,
@@ -159,6 +169,10 @@ def _start(robot, hints, stages, by_order):
     pose = in_map(chosen, offset)
     others = tuple(hint for hint in hints if hint is not chosen and _differ(in_map(hint, offset), pose))
     return Start(robot, chosen, pose, tuple((hint, in_map(hint, offset)) for hint in others), chosen in by_order)
+
+
+def _offset(stages):
+    return next((stage.offset for stage in stages if stage.offset is not None), None)
 
 
 def in_map(hint, offset):

@@ -77,7 +77,7 @@ class _Adoption:
             replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
             start={**asked.start, **starts}, is_told=True, no_respawn=asked.no_respawn or any(
-                node.respawn for node in kept if kinds.kind_of(node.package, node.type).word == kinds.ELSE))
+                node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
         return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems))
 
     def _is_out(self, node):
@@ -102,14 +102,14 @@ class _Adoption:
         for node in self.config.nodes:
             if self._is_out(node) or self._is_kept(node) or node.package == PACKAGE:
                 continue
-            kind, word = roles.kind_of(node), kinds.kind_of(node.package, node.type).word
-            if kind in self.options.replace:
+            name, kind = roles.kind_of(node), _kind_of(node)
+            if name in self.options.replace:
                 continue
-            if word == kinds.ROBOT or word == kinds.MAP and self._serves_map(node):
-                if word == kinds.ROBOT or roles.program_of(node) is None:
-                    replaced[kind] = '{}/{}'.format(PACKAGE, word_to_type(word))
-            elif word != kinds.MAP:
-                self._keep_or_leave(node, word)
+            if kind.word == kinds.ROBOT or kind.word == kinds.MAP and self._serves_map(node):
+                if kind.word == kinds.ROBOT or roles.program_of(node) is None:
+                    replaced[name] = '{}/{}'.format(PACKAGE, word_to_type(kind.word))
+            elif kind.word != kinds.MAP:
+                self._keep_or_leave(node, kind)
         for old, new in replaced.items():
             self.done.append('{} replaces {}'.format(new, old))
         return replaced
@@ -121,10 +121,11 @@ class _Adoption:
             self._leave(node, _short(why), is_loss=True)
         return not why
 
-    def _keep_or_leave(self, node, word):
-        why = kinds.kind_of(node.package, node.type).why
+    def _keep_or_leave(self, node, kind):
+        word = kind.word
         if word == kinds.LEFT_OUT:
-            self._leave(node, why)
+            keeps = '' if roles.program_of(node) is None else '; --participant {} keeps it'.format(roles.name_of(node))
+            self._leave(node, kind.why + keeps)
         elif word == kinds.FRAME and _is_of_robots(node):
             self._leave(node, 'our robots publish this frame themselves')
         elif word == kinds.STATE and 'gui' in node.type:
@@ -137,17 +138,17 @@ class _Adoption:
         elif node.package == 'nodelet':
             self._nodelet(node)
         else:
-            self._look_for_program(node, word)
+            self._look_for_program(node, kind)
 
     def _is_described(self, node):
         parts = node.namespace.strip('/').split('/')
         return any(self._value('/'.join(['', *filter(None, parts[:count]), 'robot_description']), '')
                    for count in range(len(parts) + 1))
 
-    def _look_for_program(self, node, word):
+    def _look_for_program(self, node, kind):
         path = roles.program_of(node)
         if path is None:
-            is_loss = word in (kinds.ELSE, kinds.FRAME) and node.package not in ('rviz', 'rqt_gui', 'image_view')
+            is_loss = kind.word in (kinds.ELSE, kinds.FRAME) and node.package not in ('rviz', 'rqt_gui', 'image_view')
             self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
                                                   if is_loss else ''), is_loss)
             return
@@ -156,6 +157,9 @@ class _Adoption:
             why = 'it is a program for {}, which is not here'.format(interpreter)
         if why:
             self._leave(node, why, is_loss=True)
+        elif kind.why:
+            self.remarks.append('{0} ({1}/{2}) stays: its program is here. If {3}: --leave-out {0} ({4})'.format(
+                roles.name_of(node), node.package, node.type, kind.why, _place(node)))
 
     def _nodelet(self, node):
         words = poses.words_of(node.args)
@@ -304,6 +308,15 @@ class _Adoption:
 
     def _value(self, key, default):
         return self.config.params[key].value if key in self.config.params else default
+
+
+def _kind_of(node):
+    """Return the Kind of a node. What is here takes precedence over a guess by a part of its name; ``why`` stays."""
+    kind, path = kinds.kind_of(node.package, node.type), roles.program_of(node)
+    if kind.is_guess and reading.is_package(node.package) and not (
+            path is not None and programs.imports_one_of(path, kinds.HANDS)):
+        return kinds.Kind(kinds.ELSE, kind.why)
+    return kind
 
 
 def _missing(kind, name):

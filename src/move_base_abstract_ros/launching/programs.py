@@ -91,6 +91,11 @@ def mentions(path, word):
     return word in _read(_behind_relay(path))
 
 
+def imports_one_of(path, modules):
+    """Return whether a Python program's own file imports one of the modules, or something below one."""
+    return any(name.split('.')[0] in modules for name in _imports(_read(_behind_relay(path))))
+
+
 def missing_interpreter(path):
     """Return the interpreter that a script names in its first line, if it is not here, or ''."""
     first = _read(path)[:_LONGEST_FIRST_LINE].partition(b'\n')[0].decode('utf-8', 'replace')
