@@ -4,7 +4,8 @@
 usage: python3 tools/write_node_pages.py
 
 Parameters come from the tables by which the nodes check them. Topics, services and actions come from
-docs/nodes/interfaces.yaml, which a test compares with the nodes. A table within a page is between
+docs/nodes/interfaces.yaml, which a test compares with the nodes. Upstream's parameters come from
+docs/nodes/upstream.yaml. A table within a page is between
 `<!-- parameters: NAME -->`, or a kind of OTHERS as `<!-- states: robots -->`, and `<!-- end -->`. `make lint` compares
 the pages with the output of this program.
 """
@@ -20,7 +21,8 @@ sys.path.insert(0, str(ROOT / 'src'))
 DOCS = ROOT / 'docs'
 NODES = DOCS / 'nodes'
 
-from move_base_abstract.config import node_tables, robot_table  # noqa: E402
+from move_base_abstract.common.errors import ConfigurationError  # noqa: E402
+from move_base_abstract.config import node_tables, robot_table, settings  # noqa: E402
 from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
 from move_base_abstract.fleet import robot_rows  # noqa: E402
@@ -251,10 +253,53 @@ def rooms(house):
     return lines
 
 
+_SAMPLES = (1.0, True, 1, 'a/B', '[[1, 0], [0, 1], [-1, -1]]', [{'name': 'static_layer', 'type': 'x/StaticLayer'}])
+
+
+def _effect(names, others):
+    """Return what a robot on a map does with a parameter: 'used', 'listed', or 'used with ...'. ``names``: its path."""
+    path, effects = '/'.join(names), set()
+    for sample in _SAMPLES:
+        raw = {'use_map': True, 'routes': 'grid', **others}
+        here = raw
+        for name in names[:-1]:
+            here = here.setdefault(name, {})
+        here[names[-1]] = sample
+        try:
+            found = settings.read_settings(raw, '/move_base')
+        except ConfigurationError:
+            continue  # it is used, but it has another type
+        effects.add(f'used with `{found.needs[path]}`' if path in found.needs else
+                    'listed' if path in found.ignored + found.unknown else 'used')
+    if not effects:
+        raise SystemExit(f'{path}: no sample has its type')
+    return max(effects)  # if it has an effect with some values, it is used
+
+
+def _effect_of(part, described, name):
+    if part == 'map_server':
+        return 'used' if name in [one.name for one in (node_tables.MAP_FRAME, *node_tables.MAP_OLD_FORM)] else 'listed'
+    if part == 'amcl':
+        from move_base_abstract_ros.adopting import poses  # it needs ROS
+        return 'used' if poses.is_of_place('/amcl/' + name) else 'listed'
+    return _effect([*filter(None, (described.get('below', '') + name).split('/'))], described.get('with', {}))
+
+
+def of_upstream(_name):
+    """Return the lines of the table of upstream's parameters, and of what becomes of each."""
+    lines = ['| part | parameters of | used | listed |', '|---|---|---|---|']
+    for part, described in yaml.safe_load((NODES / 'upstream.yaml').read_text(encoding='utf-8')).items():
+        effects = {name: _effect_of(part, described, name) for name in described['names']}
+        used = [f'`{name}`{effect[4:]}' for name, effect in effects.items() if effect != 'listed']
+        listed = [f'`{name}`' for name, effect in effects.items() if effect == 'listed']
+        lines.append(f'| {part} | `~{described.get("below", "")}` | {", ".join(used)} | {", ".join(listed)} |')
+    return lines
+
+
 #: what makes the other tables within pages, by their kind
 OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
           'rows': rows_of, 'faults': faults, 'failures': failures_of_runs,
-          'programs': list_of_programs, 'rooms': rooms}
+          'upstream': of_upstream, 'programs': list_of_programs, 'rooms': rooms}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

@@ -131,7 +131,8 @@ def _drivers(starts: Sequence[Start], occupancy: Optional[OccupancyMap]) -> List
         values = settings.values
         key = (values['routes'], getattr(settings.network, 'source', None), settings.limits, settings.tolerances,
                values['corners'], values['use_map'], values['allow_unknown'], values['allow_occupied_goals'],
-               start.radius, settings.bounds, values['calibration'], values['compatible_with'],
+               values['leave_obstacles'], start.radius, settings.bounds, values['calibration'],
+               values['compatible_with'],
                values['travel_matrix'], settings.battery and (settings.battery.mechanics, settings.battery.energy,
                                                               settings.battery.ambient_power))
         groups.setdefault(key, []).append(start)

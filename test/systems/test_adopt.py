@@ -1,5 +1,6 @@
 """Other people's launch file runs as it is, and the command line that adopt prints for it gives the same event log."""
 import filecmp
+import json
 import shlex
 import unittest
 
@@ -48,6 +49,38 @@ for robot in 'ab':
     client.send_goal_and_wait(goal)
 """}
 
+MAPPED = {
+    'package.xml': FILES['package.xml'],
+    'maps/yard.pgm': 'P2\n40 20\n255\n' + '\n'.join(
+        ' '.join('0' if 18 <= column < 22 and row > 3 else '205' if column > 37 else '255' for column in range(40))
+        for row in range(20)),
+    'maps/yard.yaml': 'image: yard.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n'
+                      'free_thresh: 0.196\n',
+    'launch/robot.launch': """<launch>
+  <arg name="name"/> <arg name="x"/>
+  <group ns="$(arg name)">
+    <node pkg="amcl" type="amcl" name="amcl">
+      <param name="initial_pose_x" value="$(arg x)"/><param name="initial_pose_y" value="0.55"/></node>
+    <node pkg="move_base" type="move_base" name="move_base">
+      <rosparam>{base_local_planner: dwa_local_planner/DWAPlannerROS, global_costmap: {robot_radius: 0.1,
+        map_topic: /map}, DWAPlannerROS: {max_vel_x: 1.0}, NavfnROS: {default_tolerance: 0.4}}</rosparam>
+    </node>
+  </group>
+</launch>
+""",
+    'launch/yard.launch': """<launch>
+  <node pkg="map_server" type="map_server" name="map_server" args="$(dirname)/../maps/yard.yaml"/>
+  <include file="$(dirname)/robot.launch"><arg name="name" value="a"/><arg name="x" value="1.05"/></include>
+  <include file="$(dirname)/robot.launch"><arg name="name" value="b"/><arg name="x" value="2.05"/></include>
+  <include file="$(dirname)/robot.launch"><arg name="name" value="c"/><arg name="x" value="-1.0"/></include>
+  <node pkg="of_a_stranger" type="sender.py" name="sender" required="true"/>
+</launch>
+""",
+    'scripts/sender.py': FILES['scripts/sender.py'].replace('ab', 'abc').replace(
+        '    goal = ', '    for x in (3.05, 1.85, 9.0):\n        goal = ').replace(
+        '    goal.', '        goal.').replace('    client.send', '        client.send').replace(
+            'float(sys.argv[1])', 'x').replace('y = 1.0', 'y = 0.55')}
+
 
 class AdoptTest(OwnFolder, unittest.TestCase):
 
@@ -64,3 +97,29 @@ class AdoptTest(OwnFolder, unittest.TestCase):
         words[words.index(first)] = second
         self.assertEqual(self.run_it('lockstep_launch', *words)[0], 0)
         self.assertTrue(filecmp.cmp(first, second, shallow=False))
+
+    def test_a_map_in_the_file_keeps_robots_out_of_its_walls_unless_the_user_says_otherwise(self):
+        for name, text in MAPPED.items():
+            self.write(name, text, 0o755)
+        told, log, events = self.launch('map.jsonl', '--adopt', self.path('launch/yard.launch'))
+        self.assertTrue(log.end['repeatable'], log.end)
+        for start in ('/b/move_base starts at (2.05, 0.55), in an occupied cell of the map of /map_server, and may',
+                      '/c/move_base starts at (-1, 0.55), off the map of /map_server, and may leave that place'):
+            self.assertIn(start, told)
+        events = [(robot, kind, json.loads(values)) for _ns, robot, kind, values in events]
+        goals = [[round(one, 6) for one in values[:2]] for robot, kind, values in events if (robot, kind) == (
+            'a', 'departed')]
+        self.assertEqual(goals, [[3.05, 0.55], [1.65, 0.55]], told)  # navfn's tolerance: as near as the wall allows
+        ended = [(robot, values[2]) for robot, kind, values in events if kind == 'ended']
+        no_plan = 'Failed to find a valid plan. Even after executing recovery behaviors.'
+        self.assertEqual(ended, [(robot, text) for robot in 'abc'
+                                 for text in ('Goal reached.', 'Goal reached.', no_plan)])
+        corners = {robot: values for robot, kind, values in events[::-1] if kind == 'route'}
+        self.assertGreater(max(corners['a'][1::2]), 1.6)  # around the end of the wall
+        self.assertEqual(corners['b'][:2], [2.35, 0.55])
+        self.assertEqual(corners['c'][:2], [0.05, 0.55])
+        _told, _log, straight = self.launch('straight.jsonl', '--adopt', '--param', 'use_map=false',
+                                            self.path('launch/yard.launch'))
+        self.assertNotIn('route', [kind for _ns, _robot, kind, _values in straight])
+        self.assertEqual({json.loads(values)[2] for _ns, _robot, kind, values in straight if kind == 'ended'},
+                         {'Goal reached.'})

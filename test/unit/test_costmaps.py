@@ -70,6 +70,34 @@ def test_settings_carry_the_costmaps_and_count_what_is_ignored_without_them():
     assert settings.ignored == ['local_costmap/update_frequency']
 
 
+INFLATES, STATIC = {'name': 'i', 'type': 'costmap_2d::InflationLayer'}, {'name': 's', 'type': 'costmap_2d/StaticLayer'}
+
+
+@pytest.mark.parametrize(('group', 'inflation', 'topic', 'used'), [
+    ({}, math.inf, 'map', []), ({'inflation_radius': 0.3}, 0.3, 'map', ['inflation_radius']),
+    ({'inflation_layer': {'inflation_radius': 0.3}}, 0.3, 'map', ['inflation_layer/inflation_radius']),
+    ({'plugins': [STATIC]}, 0.0, 'map', ['plugins']), ({'plugins': [INFLATES]}, math.inf, None, ['plugins']),
+    ({'plugins': [STATIC, INFLATES], 'i': {'inflation_radius': 0.3}, 's': {'map_topic': '/yard'}}, 0.3, '/yard',
+     ['i/inflation_radius', 'plugins', 's/map_topic']),
+    ({'plugins': [STATIC, INFLATES], 'inflation_radius': 0.2, 'i': {'inflation_radius': 0.3}}, 0.2, 'map',
+     ['i/inflation_radius', 'inflation_radius', 'plugins']),  # costmap_2d copies the outer one into its layer
+    ({'plugins': [STATIC, INFLATES], 'i': {'enabled': False}}, 0.0, 'map', ['i/enabled', 'plugins']),
+    ({'static_map': False}, math.inf, None, ['static_map']),
+    ({'plugins': [STATIC, {'name': 'o', 'type': 'x::ObstacleLayer'}]}, 0.0, 'map', [])])
+def test_the_layers_of_the_global_costmap_say_how_far_it_inflates_and_which_map_it_has(group, inflation, topic, used):
+    costmaps, paths = read_costmaps({'global_costmap': group}, WHERE)
+    assert (costmaps.inflation, costmaps.map_topic) == (inflation, topic)
+    assert sorted(paths) == ['~global_costmap/' + name for name in used]
+    assert read_costmaps({'global_costmap': group}, WHERE, uses_map=False)[1] == []
+
+
+def test_a_robot_on_a_map_hears_it_where_its_costmap_does_unless_its_own_topic_is_set():
+    group = {'global_costmap': {'map_topic': 'yard'}, 'use_map': True}
+    assert read_settings(group, WHERE).values['map_topic'] == 'yard'
+    assert read_settings({**group, 'map_topic': '/other'}, WHERE).values['map_topic'] == '/other'
+    assert read_settings({**group, 'use_map': False}, WHERE).values['map_topic'] is None
+
+
 def test_a_footprint_turns_with_the_robot():
     corners = Footprint(((1.0, 0.0), (0.0, 2.0))).at(Pose2D(10.0, 20.0, math.pi / 2))
     assert corners == [pytest.approx((10.0, 21.0)), pytest.approx((8.0, 20.0))]

@@ -230,3 +230,43 @@ def test_a_plan_near_a_goal_ends_at_a_place_to_which_a_way_leads():
     plan = ways.plan_near(start, goal, 4.0, add_goal=False)
     assert plan[-1] == Pose2D(2.5, 5.5, 0.5)
     assert ways.plan_near(start, goal, 4.0) == plan + [goal]
+
+
+# ---- as upstream's planner
+
+def test_inflation_below_the_radius_lets_ways_come_nearer_in_whole_cells():
+    check, start, goal = MapCheck(occupancy(walled())), Pose2D(2.5, 8.5), Pose2D(7.5, 8.5)
+    for inflation, nearest in ((math.inf, 2), (2.0, 2), (1.2, 2), (1.0, 1), (0.4, 1), (0.0, 0)):
+        ways = GridPlanner(check, 2.0, inflation=inflation)
+        beside = [column for column in range(5) if ways.reachable(Pose2D(column + 0.5, 5.5))]
+        assert max(beside) == 4 - nearest
+        assert (ways.corners(start, goal) is None) == (nearest == 2)  # two cells are left south of the wall
+    assert 'the inscribed radius of the robot, 1 m' in GridPlanner(check, 2.0, inflation=0.4).refusal(Pose2D(4.5, 5.5))
+
+
+def test_within_the_tolerance_the_nearest_place_to_which_a_way_leads_counts():
+    blocked = walled()
+    ways = GridPlanner(MapCheck(occupancy(blocked)), 0.0, tolerance=2.0)
+    start, goal = Pose2D(2.5, 8.5), Pose2D(5.5, 8.2, 0.7)
+    assert ways.corners(start, goal) is None
+    assert ways.nearest_to(start, goal) == Pose2D(4.5, 8.2, 0.7)  # of two equally near ones the western one comes first
+    blocked[:, 6:] = True
+    ways = GridPlanner(MapCheck(occupancy(blocked)), 0.0, tolerance=1.0)
+    assert ways.nearest_to(start, Pose2D(5.5, 8.2)) == Pose2D(4.5, 8.2)
+    assert ways.nearest_to(start, Pose2D(7.5, 8.2)) is None
+    assert ways.nearest_to(start, Pose2D(-0.5, 8.2)) == Pose2D(0.5, 8.2)  # from off the map, too
+
+
+def test_a_robot_that_leaves_obstacles_goes_to_the_nearest_free_cell_from_anywhere():
+    blocked = np.ones((10, 10), bool)
+    blocked[8:, :] = False
+    stays, leaves = (GridPlanner(MapCheck(occupancy(blocked)), 0.0, leaves=one) for one in (False, True))
+    goal = Pose2D(2.5, 9.5)
+    assert stays.corners(Pose2D(2.5, 2.5), goal) is None
+    assert leaves.corners(Pose2D(2.5, 2.5), goal) == ((2.5, 8.5),)
+    for off, first in ((Pose2D(-7.0, 9.2), (0.5, 9.5)), (Pose2D(4.2, 17.5), (4.5, 9.5)),
+                       (Pose2D(1e9, -1e9), (9.5, 8.5))):
+        assert stays.corners(off, goal) is None
+        assert leaves.corners(off, goal)[0] == first
+        assert leaves.plan_near(off, Pose2D(2.5, 7.5), 2.0)
+    assert leaves.corners(Pose2D(2.5, 9.2), Pose2D(2.5, 2.5)) is None  # it goes into none

@@ -328,8 +328,30 @@ def test_the_groups_of_other_plugins_and_recovery_behaviours_are_known_by_their_
                            recovery_behaviors=[{'name': 'back_up', 'type': 'x/BackUp'}],
                            Careful={'gain': 1}, Wide={'cost': 2}, back_up={'distance': 3}, Other={'gain': 1})
     assert (settings.local_planner, settings.global_planner) == ('Careful', 'Wide')
-    assert settings.ignored == ['Careful/gain', 'Wide/cost', 'back_up/distance']
+    assert settings.ignored == ['Careful/gain', 'Wide/cost', 'back_up/distance', 'recovery_behaviors']
+    assert (settings.needs, settings.unknown) == ({'recovery_behaviors': 'abort_policy: upstream'}, ['Other/gain'])
     assert settings.warnings == ['parameter /robot_0/move_base/Other: unknown, not used']
+
+
+@pytest.mark.parametrize(('planner', 'costmap', 'own', 'expected'), [
+    ({'allow_unknown': False}, {'track_unknown_space': True}, {}, False), ({}, {'track_unknown_space': True}, {}, True),
+    ({'allow_unknown': False}, {}, {}, True), ({}, {}, {'allow_unknown': False}, False),
+    ({'allow_unknown': False}, {'track_unknown_space': True}, {'allow_unknown': True}, True)])
+def test_unknown_cells_are_free_as_the_global_planner_and_its_costmap_say(planner, costmap, own, expected):
+    for name, plugin in (('NavfnROS', {}), ('GlobalPlanner', {'base_global_planner': 'global_planner/GlobalPlanner'})):
+        settings = settings_of(use_map=True, global_costmap=costmap, **{name: planner}, **plugin, **own)
+        assert settings.values['allow_unknown'] is expected
+        assert settings_of(global_costmap=costmap, **{name: planner}, **plugin).ignored == [
+            *(f'{name}/{key}' for key in planner), *(f'global_costmap/{key}' for key in costmap)]  # there is no map
+
+
+def test_only_navfn_has_a_tolerance_for_goals_and_only_ways_on_a_map_need_it():
+    on_map, group = {'use_map': True, 'routes': 'grid'}, {'default_tolerance': 0.5}
+    assert settings_of(NavfnROS=group, **on_map).plan_tolerance == 0.5
+    other = settings_of(GlobalPlanner=group, base_global_planner='global_planner/GlobalPlanner', **on_map)
+    assert (other.plan_tolerance, other.ignored) == (0.0, ['GlobalPlanner/default_tolerance'])
+    straight = settings_of(NavfnROS=group)
+    assert (straight.plan_tolerance, straight.ignored) == (0.0, ['NavfnROS/default_tolerance'])
 
 
 # ---- the table itself

@@ -4,7 +4,7 @@ from __future__ import annotations
 import functools
 import os
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Sequence, TypeVar
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, TypeVar
 
 from .errors import ConfigurationError
 from .kinds import Kind, check_keys, error, made_by, similar
@@ -18,7 +18,7 @@ class Parameter:
     """One parameter: its default, its kind (a Kind, or a function that raises ValueError), and its description.
 
     ``what``: one sentence in Markdown; empty if no page lists it. ``allowed``: the values that are allowed, in words;
-    those of the kind if empty.
+    those of the kind if empty. ``needs``: (name, value) of another parameter without which it has no effect.
     """
 
     name: str
@@ -26,6 +26,7 @@ class Parameter:
     kind: Callable[[Any], Any]
     what: str = ''
     allowed: str = ''
+    needs: Tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         kind = self.kind if isinstance(self.kind, Kind) else made_by(self.kind, self.allowed)

@@ -27,6 +27,7 @@ from ..sensing.laser import TABLE as LASER
 from . import upstream
 
 DEFAULT_SPEED = 0.5
+_PATIENT = ('abort_policy', 'upstream')
 
 #: the ways in which a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
@@ -113,11 +114,17 @@ TABLE = (
     Parameter('use_map', False, FLAG,
               'Whether goals are judged by the map; a map in another frame than `global_frame` is not used.'),
     Parameter('map_topic', None, TOPIC,
-              'Topic of the map. If it is not set, the name to which `map` is remapped counts, then `/map`.'),
-    Parameter('allow_unknown', True, FLAG, 'Whether goals in unknown cells of the map are accepted.'),
+              'Topic of the map. If it is not set, that of the global costmap counts, then the name to which `map` is '
+              'remapped, then `/map`.'),
+    Parameter('allow_unknown', None, FLAG,
+              'Whether goals and ways in unknown cells of the map are accepted. If it is not set, they are, unless the '
+              "global planner's group has `allow_unknown: false` and the global costmap `track_unknown_space: true`."),
     Parameter('allow_occupied_goals', False, FLAG, 'Whether any goal is accepted, whatever the map says.'),
     Parameter('routes', 'none', one_of(*ROUTES),
               'The way of the robot: straight, around obstacles of the map, along lanes, or as long as a table says.'),
+    Parameter('leave_obstacles', False, FLAG,
+              'With `routes: grid`: a robot that stands where its centre must not be, or off the map, first goes '
+              'straight to the nearest free cell, however far. If false, only within its radius and one cell.'),
     Parameter('lanes', None, PATH, 'The net of lanes for `routes: lanes`.'),
     Parameter('travel_matrix', None, PATH, 'The table of times for `routes: matrix`.'),
     Parameter('priority', 0, INT32,
@@ -128,13 +135,13 @@ TABLE = (
     Parameter('controller_frequency', 20.0, number(above=0.0, unit='Hz, simulated'),
               'Rate of the feedback, unless `feedback_freq` is set.'),
     Parameter('planner_patience', 5.0, number(low=0.0, unit='s, simulated'),
-              'Time for which planning is tried again; only with `abort_policy: upstream`.'),
+              'Time for which planning is tried again; only with `abort_policy: upstream`.', needs=_PATIENT),
     Parameter('max_planning_retries', -1, integer(-1),
-              'With 0 or more, `planner_patience` does not count; only with `abort_policy: upstream`.'),
+              'With 0 or more, `planner_patience` does not count; only with `abort_policy: upstream`.', needs=_PATIENT),
     Parameter('recovery_behavior_enabled', True, FLAG,
-              'Whether recovery behaviours take their time; only with `abort_policy: upstream`.'),
+              'Whether recovery behaviours take their time; only with `abort_policy: upstream`.', needs=_PATIENT),
     Parameter('clearing_rotation_allowed', True, FLAG,
-              "Whether the two rotations are among upstream's four recovery behaviours."),
+              "Whether the two rotations are among upstream's four recovery behaviours.", needs=_PATIENT),
     Parameter('make_plan_add_unreachable_goal', True, FLAG,
               'Whether a plan to the nearest reachable place ends with the goal itself.'),
     Parameter('base_local_planner', upstream.DEFAULT_LOCAL_PLANNER, string('the name of a plugin'),
@@ -154,4 +161,6 @@ TABLE = (
 )
 
 LIMITS = (SPEED, ACCELERATION, XY_TOLERANCE, YAW_TOLERANCE)
+#: {parameter: (name, value) of another one without which it has no effect}
+NEEDS = {**{parameter.name: parameter.needs for parameter in TABLE if parameter.needs}, 'recovery_behaviors': _PATIENT}
 OWN_NAMES = tuple(parameter.name for parameter in TABLE + LIMITS) + ('recovery_behaviors', 'footprint', 'robot_radius')

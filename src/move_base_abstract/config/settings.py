@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import FRAME, error
+from ..common.kinds import FLAG, FRAME, error, number
 from ..common.parameter_table import Parameter, checked, place_of, read_table, unknown_names
 from ..energy.battery import BatterySettings, read_battery
 from ..faults.buggify import Buggify, read_buggify
@@ -20,7 +20,7 @@ from ..goals.recovery import (
     RecoveryBehavior,
     RecoveryPolicy,
 )
-from ..maps.costmaps import Costmaps, read_costmaps
+from ..maps.costmaps import GLOBAL, Costmaps, read_costmaps
 from ..maps.lane_map import LaneMap, read_lane_map
 from ..maps.planning import WorldBounds
 from ..maps.travel_matrix import TravelMatrix, read_travel_matrix
@@ -42,7 +42,7 @@ from .local_planner import (
     PlannerGroup,
     leaves,
 )
-from .robot_table import ACCELERATION, LIMITS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
+from .robot_table import ACCELERATION, LIMITS, NEEDS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
 
 _ODOM = 'odom'
 #: (our parameter, the costmap that has it in an existing set-up, its key there, the default)
@@ -93,7 +93,13 @@ class RobotSettings:
     encounters: Optional[EncounterLaw] = None
     #: {name: m/s} of the planner's parameters from which the speed comes
     speeds: Dict[str, float] = field(default_factory=dict)
+    #: the distance [m] from a goal that cannot be reached within which the robot goes instead, to the nearest place
+    plan_tolerance: float = 0.0
+    #: parameters of upstream that have no effect, and those that neither upstream nor this node knows
     ignored: List[str] = field(default_factory=list)
+    #: {parameter that has no effect: what it needs to have one, 'NAME: VALUE'}
+    needs: Dict[str, str] = field(default_factory=dict)
+    unknown: List[str] = field(default_factory=list)
     warnings: List[str] = field(default_factory=list)
 
     @property
@@ -136,9 +142,9 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
     acceleration = _limit(raw, ACCELERATION, where, partial(planner.limit, ACCELERATION_LIMIT))
     xy_tolerance = _limit(raw, XY_TOLERANCE, where, partial(planner.limit, XY_LIMIT))
     yaw_tolerance = _limit(raw, YAW_TOLERANCE, where, partial(planner.limit, YAW_LIMIT))
-    costmaps, costmap_sources = read_costmaps(raw, where)
+    costmaps, plan_tolerance, of_ground = _read_ground(raw, values, where)
     used = [path for found in (speed, acceleration, xy_tolerance, yaw_tolerance) for path in found.paths]
-    used += [source[1:] for source in costmap_sources] + _read_frames(raw, values, where)
+    used += of_ground + _read_frames(raw, values, where)
     if values['feedback_freq'] is None:
         values['feedback_freq'] = values['controller_frequency']
     behaviors = _behaviors(raw, values, where)
@@ -150,7 +156,7 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         bounds=_bounds(values['world_bounds'], where),
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
-        costmaps=costmaps, network=network, durations=read_durations(values, where),
+        costmaps=costmaps, plan_tolerance=plan_tolerance, network=network, durations=read_durations(values, where),
         failures=read_failures(values, where), buggify=read_buggify(values), battery=read_battery(values),
         laser=read_laser(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
@@ -222,6 +228,31 @@ def _read_frames(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> 
     return used
 
 
+def _read_ground(raw: Mapping[str, Any], values: Dict[str, Any], where: str) -> Tuple[Costmaps, float, List[str]]:
+    """Return the costmaps, the global planner's tolerance for goals [m], and the parameters used.
+
+    Set what they say in ``values``: ``allow_unknown`` and ``map_topic``.
+    """
+    costmaps, sources = read_costmaps(raw, where, values['use_map'])
+    used = [source[1:] for source in sources]
+    if values['use_map'] and values['map_topic'] is None and costmaps.map_topic != 'map':
+        values['map_topic'] = costmaps.map_topic
+
+    def of_group(name: str, key: Optional[str], default: Any, kind: Any) -> Any:
+        group = raw.get(name)
+        if key is None or not isinstance(group, dict) or key not in group:
+            return default
+        used.append(f'{name}/{key}')
+        return checked(group[key], used[-1], Parameter(key, default, kind), where)
+    name = upstream.plugin_namespace(values['base_global_planner'])
+    unknown, tolerance = upstream.GLOBAL_PLANNERS.get(name, (None, None))
+    if values['allow_unknown'] is None:
+        values['allow_unknown'] = not values['use_map'] or of_group(name, unknown, True, FLAG) or not of_group(
+            GLOBAL, 'track_unknown_space', False, FLAG)  # a costmap that does not track unknown cells has none
+    is_planned = values['routes'] == 'grid'
+    return costmaps, of_group(name, tolerance, 0.0, number(low=0.0, unit='m')) if is_planned else 0.0, used
+
+
 def _bounds(values: Optional[Tuple[float, float, float, float]], where: str) -> WorldBounds:
     if values is None:
         return WorldBounds()
@@ -273,5 +304,10 @@ def _other_names(raw: Mapping[str, Any], values: Dict[str, Any], used: List[str]
     behaviors = raw.get('recovery_behaviors', [])
     groups = sorted(plugins) + [str(entry['name']) for entry in behaviors]
     upstream_names = tuple(upstream.IGNORED_NAMES) + tuple(groups)
+    known = OWN_NAMES + upstream_names
+    needs = {name: f'{other}: {value}' for name, (other, value) in NEEDS.items()
+             if name in raw and values[other] != value}
     ignored = [path for path in leaves({key: raw[key] for key in raw if key in upstream_names}) if path not in used]
-    return {'ignored': ignored, 'warnings': warnings + unknown_names(raw, OWN_NAMES + upstream_names, where)}
+    return {'ignored': sorted({*ignored, *needs}), 'needs': needs,
+            'unknown': leaves({key: raw[key] for key in raw if key not in known}),
+            'warnings': warnings + unknown_names(raw, known, where)}

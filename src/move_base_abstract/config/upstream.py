@@ -65,6 +65,10 @@ LOCAL_PLANNERS = {
 OTHER_PLANNER = LocalPlanner(speed=('max_vel_x', 'max_vel_trans', 'max_vel_lin'))
 MPC_DEFAULT_ROBOT = 'unicycle'
 
+#: {global planner: (its parameter for unknown cells, that for places near a goal or None)}; GlobalPlanner reads
+#: default_tolerance, too, but does not use it
+GLOBAL_PLANNERS = {'NavfnROS': ('allow_unknown', 'default_tolerance'), 'GlobalPlanner': ('allow_unknown', None)}
+
 #: the planners if base_local_planner is not set: move_base's own default, then another one that may have a group
 UNNAMED_PLANNERS = ('TrajectoryPlannerROS', 'DWAPlannerROS')
 

@@ -123,4 +123,5 @@ def make_planner(settings: RobotSettings, map_check: Optional[MapCheck] = None) 
     if map_check is None:
         raise ConfigurationError("routes: got 'grid' for a robot without a map; allowed: with a map only")
     from ..maps.grid_planner import GridPlanner  # imports numpy, too
-    return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds)
+    return GridPlanner(map_check, settings.costmaps.global_footprint.inscribed_radius, settings.bounds,
+                       settings.costmaps.inflation, settings.plan_tolerance, settings.values['leave_obstacles'])

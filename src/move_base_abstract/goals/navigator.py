@@ -149,7 +149,19 @@ class Navigator:
                 self._tell(WheelsStopped(now_ns, self.robot.name))
             if Aimed in self._hearers:
                 self._tell(Aimed(now_ns, self.robot.name, pose, goal.height, self._frames.orientation(goal, pose)))
-            self.travel.go(planner.corners(self.robot.pose_at(now_ns), pose), now_ns)
+            start = self.robot.pose_at(now_ns)
+            corners = planner.corners(start, pose)
+            if corners is None and planner.tolerance:
+                corners = self._go_near(start, pose)
+            self.travel.go(corners, now_ns)
+
+    def _go_near(self, start: Pose2D, pose: Pose2D) -> Optional[Tuple[Tuple[float, float], ...]]:
+        """Aim at the place nearest to ``pose`` within the planner's tolerance; return the way's corners, or None."""
+        near = self.planner.nearest_to(start, pose)
+        if near is None:
+            return None
+        self.travel.aim(near)
+        return self.planner.corners(start, near)
 
     def _bad_place(self, goal: GoalPose, text: str, now_ns: int) -> None:
         self._tell(Warned(now_ns, self.robot.name, text))

@@ -3,11 +3,11 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Tuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
 
 from ..common.errors import ConfigurationError
-from ..common.kinds import as_number, number
+from ..common.kinds import FLAG, TOPIC, as_number, number
 from ..common.parameter_table import Parameter, checked
 from ..motion.geometry import share_along
 
@@ -24,6 +24,12 @@ _MAX_TEXT = 100_000
 _MAX_CELLS = 4_000_000
 _POINTS = '3 to 1000 points [[x, y], ...] [m, base frame], as a list or as its text'
 _ROBOT_RADIUS = Parameter('robot_radius', _RADIUS, number(low=0.0, unit='m'))
+_INFLATION_RADIUS = Parameter('inflation_radius', math.inf, number(low=0.0, unit='m'))
+_STATIC_MAP = Parameter('static_map', True, FLAG)
+_MAP_TOPIC = Parameter('map_topic', 'map', TOPIC)
+_ENABLED = Parameter('enabled', True, FLAG)
+_OF_OLD = {'inflation_layer': 'InflationLayer'}  # without ``plugins``
+_USED_LAYERS = ('StaticLayer', 'InflationLayer')
 _FOOTPRINT_PADDING = Parameter('footprint_padding', _PADDING, number(unit='m'))
 _WINDOW = (Parameter('width', 10.0, number(above=0.0, unit='m')),
            Parameter('height', 10.0, number(above=0.0, unit='m')),
@@ -73,14 +79,19 @@ class Costmaps:
     global_footprint: Footprint
     local_footprint: Footprint
     window: Window = Window()
+    #: the distance [m] up to which the global costmap inflates obstacles; inf: nothing says it
+    inflation: float = math.inf
+    #: the topic of the global costmap's map, as it is given; None: it uses no map
+    map_topic: Optional[str] = 'map'
 
 
-def read_costmaps(raw: Mapping[str, Any], where: str) -> Tuple[Costmaps, List[str]]:
+def read_costmaps(raw: Mapping[str, Any], where: str, uses_map: bool = True) -> Tuple[Costmaps, List[str]]:
     """Return (:class:`Costmaps`, paths of the parameters used) of ``raw``, the parameters in the namespace ``where``.
 
     As in costmap_2d, the outline is ``footprint`` in the costmap's group, or if that is missing the one outside the
     group. If both are missing, it is a circle with ``robot_radius``, found in the same order, or with a radius of
-    0.46 m. ``footprint_padding`` in the group is added, by default 0.01 m.
+    0.46 m. ``footprint_padding`` in the group is added, by default 0.01 m. The inflation and
+    the map are those of the global costmap's layers, which have an effect only with ``uses_map``.
 
     :raises ConfigurationError: for a wrong type or an impossible value.
     """
@@ -93,7 +104,50 @@ def read_costmaps(raw: Mapping[str, Any], where: str) -> Tuple[Costmaps, List[st
         raise ConfigurationError('parameters {}/{}: got a width of {:g} m, a height of {:g} m and a resolution of {:g} '
                                  'm/cell; allowed: at most {} cells'.format(where.rstrip('/'), LOCAL, width, height,
                                                                             resolution, _MAX_CELLS))
-    return Costmaps(footprints[0], footprints[1], Window(int(cells[0]), int(cells[1]), resolution)), used
+    of_layers: List[str] = []
+    layers = _layers(_group(raw, GLOBAL), of_layers)
+    inflation = _read_inflation(_group(raw, GLOBAL), layers, of_layers, where)
+    topic = _read_map(_group(raw, GLOBAL), layers, of_layers, where)
+    used += of_layers if uses_map else []
+    return Costmaps(footprints[0], footprints[1], Window(int(cells[0]), int(cells[1]), resolution), inflation,
+                    topic), used
+
+
+def _layers(group: Mapping[str, Any], used: List[str]) -> Optional[Dict[str, str]]:
+    """Return {name: class} of the layers in the costmap's ``plugins``; None if there is no such list."""
+    plugins = group.get('plugins')
+    if not isinstance(plugins, list) or not all(isinstance(one, dict) for one in plugins):
+        return None
+    layers = {str(one.get('name')): str(one.get('type')).replace('::', '/').rpartition('/')[2] for one in plugins}
+    if set(layers.values()) <= set(_USED_LAYERS):
+        used.append('~{}/plugins'.format(GLOBAL))
+    return layers
+
+
+def _read_map(group: Mapping[str, Any], layers: Optional[Dict[str, str]], used: List[str], where: str) -> Optional[str]:
+    name, is_there = 'static_layer', True
+    if layers is None:
+        is_there = _read(group, GLOBAL, _STATIC_MAP, used, where)
+    else:
+        name = next((name for name, kind in layers.items() if kind == _USED_LAYERS[0]), '')
+    own = group.get(name)
+    layer, path = own if isinstance(own, dict) else {}, '{}/{}'.format(GLOBAL, name)
+    topic: Optional[str] = _read(layer, path, _MAP_TOPIC, used, where)
+    is_there = _read(layer, path, _ENABLED, used, where) and is_there and bool(name)
+    return _read(group, GLOBAL, replace(_MAP_TOPIC, default=topic), used, where) if is_there else None
+
+
+def _read_inflation(group: Mapping[str, Any], layers: Optional[Dict[str, str]], used: List[str], where: str) -> float:
+    names = [name for name, kind in (_OF_OLD if layers is None else layers).items() if kind == _USED_LAYERS[1]]
+    if not names:
+        return 0.0
+    own = group.get(names[0])
+    layer, path = own if isinstance(own, dict) else {}, '{}/{}'.format(GLOBAL, names[0])
+    inner = _read(layer, path, _INFLATION_RADIUS, used, where)
+    outer = _read(group, GLOBAL, _INFLATION_RADIUS, used, where)  # costmap_2d copies it into its layer
+    is_on: bool = _read(layer, path, _ENABLED, used, where)
+    inflation: float = inner if math.isinf(outer) else outer
+    return inflation if is_on else 0.0
 
 
 def _distance_to(begin: Tuple[float, float], end: Tuple[float, float]) -> float:

@@ -20,6 +20,7 @@ _PATH_SPACING = 0.25
 _MAX_PATH_STEPS = 10_000
 _CELLS_BETWEEN_TRIES = 3
 _MAX_TRIES = 1_000_000  # they take some seconds
+_MAX_SIDE = 1000
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ class StraightLinePlanner:
     goes_straight = True
     #: what lanes cost in addition to their time, None: nothing; see :mod:`.priced_ways`
     prices: Optional[Prices] = None
+    #: the distance [m] from a goal that cannot be reached within which the robot goes instead
+    tolerance = 0.0
 
     def __init__(self, bounds: WorldBounds = WorldBounds(), map_check: Optional[MapCheck] = None) -> None:
         self._bounds = bounds
@@ -125,6 +128,22 @@ class StraightLinePlanner:
             return []
         path = self.plan(start, near)
         return path + [goal] if add_goal else path
+
+    def nearest_to(self, start: Pose2D, goal: Pose2D) -> Optional[Pose2D]:
+        """Return the place nearest to ``goal``, within the tolerance in x and in y, to which a way leads, or None.
+
+        The places are those that navfn tries: a cell apart, from south to north, then from west to east.
+        """
+        occupancy = self.occupancy
+        if occupancy is None:
+            return None
+        count = min(int(2.0 * self.tolerance / occupancy.resolution * (1.0 + 1e-9)), _MAX_SIDE)
+        offsets = [number * occupancy.resolution - self.tolerance for number in range(count + 1)]
+        for dx, dy in sorted(((dx, dy) for dy in offsets for dx in offsets), key=lambda one: math.hypot(*one)):
+            pose = Pose2D(goal.x + dx, goal.y + dy, goal.yaw)
+            if self._leads(start, pose):
+                return pose
+        return None
 
     def _leads(self, start: Pose2D, goal: Pose2D) -> bool:
         """Return whether there is a way to ``goal``."""

@@ -98,6 +98,10 @@ class PlanningGrid:
             return None
         return _inside(column), _inside(row)
 
+    def contains(self, place: Tuple[int, int]) -> bool:
+        """Return whether ``place`` is on the grid."""
+        return bool(0 <= place[0] < self.columns * PARTS and 0 <= place[1] < self.rows * PARTS)
+
     def cell_of(self, place: Tuple[int, int]) -> int:
         """Return the number of the cell that contains ``place``."""
         return (place[1] // PARTS + 1) * self.stride + place[0] // PARTS + 1
@@ -147,14 +151,14 @@ class PlanningGrid:
         The distance is that of the cells' centres. Of equally near ones the southernmost counts, then the westernmost.
         """
         column, row = place[0] // PARTS, place[1] // PARTS
-        best = None
-        for dy in range(max(-reach, -row), min(reach, self.rows - 1 - row) + 1):
-            for dx in range(max(-reach, -column), min(reach, self.columns - 1 - column) + 1):
-                cell = (row + dy + 1) * self.stride + column + dx + 1
-                distance = dx * dx + dy * dy
-                if self._is_free[cell] and distance <= reach * reach and (best is None or distance < best[0]):
-                    best = distance, cell
-        return best[1] if best else None
+        first, low = max(column - reach, 0), max(row - reach, 0)
+        free = self.free.reshape(self.rows + 2, self.stride)
+        rows, columns = np.nonzero(free[low + 1:max(row + reach + 2, 0), first + 1:max(column + reach + 2, 0)])
+        distances = (rows + (low - row)) ** 2 + (columns + (first - column)) ** 2
+        if not len(distances) or distances.min() > reach * reach:
+            return None
+        best = distances.argmin()
+        return int((rows[best] + low + 1) * self.stride + columns[best] + first + 1)
 
     def sees(self, one: Tuple[int, int], other: Tuple[int, int], margin: int = MARGIN) -> bool:
         """Return whether each cell within ``margin`` parts (0 or 1) of the straight line between two places is free.

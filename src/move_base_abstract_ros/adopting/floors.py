@@ -1,4 +1,5 @@
 """Find where a map's frame lies in Stage's world, from the floor plan of a world file and the map's own file."""
+import math
 import os
 
 import numpy as np
@@ -6,6 +7,7 @@ import numpy as np
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.geometry import Pose2D
 from move_base_abstract.common.map_files import read_description, read_pixels
+from move_base_abstract.common.map_images import OCCUPIED, UNKNOWN, ImageRule, cells_of_image
 
 from .worlds import Unknown, turned
 
@@ -40,6 +42,29 @@ def offset(floor, words):
                 floor.width, floor.height, width, height))
     x, y = turned(-origin.x - left * width - floor.width / 2, -origin.y - bottom * height - floor.height / 2, floor.yaw)
     return _rounded(floor.x + x), _rounded(floor.y + y), floor.yaw
+
+
+def ground(words):
+    """Return a function for a map_server with these arguments: where (x, y) [m, map frame] lies on its map, in words.
+
+    It returns '' in free cells, and everywhere if we cannot read the map.
+    """
+    try:
+        image, resolution, origin = _described(words)
+        rule = read_description(words[0]).rule if image != words[0] else ImageRule()
+        cells = cells_of_image(read_pixels(image), rule)
+    except (ConfigurationError, Unknown):
+        return lambda _x, _y: ''
+
+    def at(x, y):
+        place = origin.inverse().compose(Pose2D(x, y))
+        column, row = math.floor(place.x / resolution), math.floor(place.y / resolution)
+        if not (0 <= row < cells.shape[0] and 0 <= column < cells.shape[1]):
+            return 'off the map'
+        value = cells[row, column]
+        return '' if 0 <= value < OCCUPIED else 'in an {} cell of the map'.format(
+            'unknown' if value == UNKNOWN else 'occupied')
+    return at
 
 
 def why_not_served(words):

@@ -18,6 +18,7 @@ _BESIDE_AXES = {'initial', 'init', 'pose', 'pos', 'position', 'start', 'robot', 
 _NAMES = ('robot_namespace', 'robot_name', 'ns', 'namespace', 'tf_prefix', 'name', 'model_name', 'robot', 'prefix',
           'model', 'robot_id')
 _INITIAL = re.compile(r'(.*/)([^/]*?)initial_pose[_/](x|y|a|yaw)')
+_DELTAS = ('delta_x', 'delta_y', 'delta_yaw')
 _FLAGS = {'-x': 0, '-y': 1, '-Y': 2}
 
 
@@ -76,6 +77,11 @@ def hints(config):
         if one.kind == 'include':
             found += _of_include(one)
     return found, stages
+
+
+def is_of_place(key):
+    """Return whether a parameter with this full name is part of a Hint."""
+    return _INITIAL.fullmatch(key) is not None or key.rpartition('/')[2] in _DELTAS
 
 
 def _of_parameters(config):
@@ -162,7 +168,7 @@ def _delta(config):
     """Return (x, y, yaw) of the map's frame in Stage's world by the parameters of fake_localization, or None."""
     for node in config.nodes:
         if node.package == 'fake_localization':
-            values = [config.params.get('{}/delta_{}'.format(name_of(node), axis)) for axis in ('x', 'y', 'yaw')]
+            values = [config.params.get('{}/{}'.format(name_of(node), delta)) for delta in _DELTAS]
             x, y, yaw = (0.0 if value is None else _number(value.value) or 0.0 for value in values)
             if x or y or yaw:
                 return (*worlds.turned(x, y, yaw), yaw)

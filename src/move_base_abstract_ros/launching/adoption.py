@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 from move_base_abstract.common.errors import ConfigurationError
 
-from ..adopting import kinds, poses, reading, robots
+from ..adopting import kinds, poses, reading, robots, served
 from ..loopback import PACKAGE
-from . import given, programs, roles, start_poses
+from ..process.own_parameters import INHERITED
+from . import given, programs, roles, start_poses, what_counts
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
@@ -53,37 +54,40 @@ class _Adoption:
     def __init__(self, config, options, read_settings):
         self.config = config
         self.options = options
-        self._read_settings = read_settings
+        self.read_settings = read_settings
         self.done, self.remarks, self.problems = [], [], []
         self.left_out, self.added, self.arguments, self.param = [], {}, {}, {}
+        self.settings = {}  # {name: settings} of our robots
         self.hints, self.stages = poses.hints(config)
         self.robots = robots.robots_of(config, self.hints)
 
     def adopted(self):
         """Apply the rules to the nodes, the robots and what is missing, and return an Adopted."""
-        starts = self._starts()
+        self.starts = self._starts()
         self._say_missing()
         replaced = self._nodes()
         self._robots()
         self._add_maps()
         self._frames()
         self._stage_offsets()
-        kept = [node for node in self.config.nodes if not self._is_out(node)]
+        kept = [node for node in self.config.nodes if not self.is_out(node)]
+        what_counts.use_maps(self, kept)
         self._clocks(kept)
         self._fatal(kept)
+        what_counts.say_unread(self)
         asked = self.options
         options = replace(
             asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
             replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
-            start={**asked.start, **starts}, is_told=True, no_respawn=asked.no_respawn or any(
+            start={**asked.start, **self.starts}, is_told=True, no_respawn=asked.no_respawn or any(
                 node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
         return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems))
 
-    def _is_out(self, node):
+    def is_out(self, node):
         return roles.name_of(node) in (*self.left_out, *self.options.leave_out)
 
-    def _is_kept(self, node):
+    def is_kept(self, node):
         return roles.name_of(node) in self.options.kept
 
     def _say_missing(self):
@@ -100,7 +104,7 @@ class _Adoption:
         """Decide for each node whether it stays. Return the replaced kinds, {old: new}, each PACKAGE/TYPE."""
         replaced = {}
         for node in self.config.nodes:
-            if self._is_out(node) or self._is_kept(node) or node.package == PACKAGE:
+            if self.is_out(node) or self.is_kept(node) or node.package == PACKAGE:
                 continue
             name, kind = roles.kind_of(node), _kind_of(node)
             if name in self.options.replace:
@@ -285,16 +289,16 @@ class _Adoption:
                 self.param[name + '/backend'] = 'builtin'
                 self.done.append('{} has no simulator in this run: its backend is builtin'.format(name))
             try:
-                self._read_settings(self._below(name), name)
+                self.settings[name] = self.read_settings(self.below(name), name)
             except ConfigurationError as error:
                 self.problems.append('{} would end with an error: {}; --param NAME=VALUE sets another ({})'.format(
                     name, error, _place(node)))
 
-    def _below(self, name):
+    def below(self, name):
         """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
-        found = {}
-        there = {key: param.value for key, param in self.config.params.items()}
-        for key, value in {**there, **self.param, **dict(given.single(self.options.param))}.items():
+        values = self.values()
+        found = {key: value for key in INHERITED for value in [served.nearest(name, key, values)] if value is not None}
+        for key, value in values.items():
             if key.startswith(name + '/'):
                 *above, last = key[len(name) + 1:].split('/')
                 here = found
@@ -304,7 +308,13 @@ class _Adoption:
                         break
                 else:
                     here[last] = value
+        found.update(zip(start_poses.PLACED, self.starts.get(name) or self.options.start.get(name) or ()))
         return {key: value for key, value in found.items() if key not in _READ_ELSEWHERE}
+
+    def values(self):
+        """Return {full name: value} of all parameters of the run."""
+        there = {key: param.value for key, param in self.config.params.items()}
+        return {**there, **self.param, **dict(given.single(self.options.param))}
 
     def _value(self, key, default):
         return self.config.params[key].value if key in self.config.params else default

@@ -3,7 +3,7 @@ from ..adopting import poses, robots
 from ..loopback import PACKAGE
 from . import programs, roles
 
-_PLACED = ('start_x', 'start_y', 'start_yaw')
+PLACED = ('start_x', 'start_y', 'start_yaw')
 _IN_STAGE = ('stage_offset_x', 'stage_offset_y', 'stage_offset_yaw', 'stage_world_frame')
 _WITH_PLACE = 4  # arguments of move_base_abstract_actionserver: with fewer, no place is given
 _COMMAND = b'cmd_pose'
@@ -42,7 +42,7 @@ def shown(pose):
 def is_placed(config, node):
     """Return whether a parameter or an argument gives the start of one of our robots, a roslaunch Node."""
     name = roles.name_of(node)
-    return any('{}/{}'.format(name, key) in config.params for key in _PLACED) or (
+    return any('{}/{}'.format(name, key) in config.params for key in PLACED) or (
         node.type == robots.OWN[1] and len(poses.words_of(node.args)) >= _WITH_PLACE)
 
 

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: private parameters that lockstep reads: they are no settings of a node
 LOCKSTEP_PARAMETERS = tuple(parameter.name for parameter in LOCKSTEP)
 
+#: settings of a robot that count from a namespace further up, too, as costmaps look for their footprint
+INHERITED = ('footprint', 'robot_radius', 'compatible_with')
+
 
 def own_values(table: Sequence[Parameter], more: Sequence[str] = ()) -> Tuple[Dict[str, Any], Dict[str, Any]]:
     """Return (all private parameters, {name: checked value} of those in ``table`` (Parameter, ...)).

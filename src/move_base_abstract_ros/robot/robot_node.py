@@ -12,7 +12,7 @@ from move_base_abstract.config.settings import read_settings
 from ..clocks.timing import make_timing
 from ..maps.robot_map import wait_for_maps
 from ..process.node_process import run_node
-from ..process.own_parameters import LOCKSTEP_PARAMETERS, own_parameters
+from ..process.own_parameters import INHERITED, LOCKSTEP_PARAMETERS, own_parameters
 from ..transforms.tf_lookup import listen_to_static_frames
 from .host import Host
 from .move_base_server import MoveBaseServer
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from .names import RobotNames
 
 _LAST_WORDS_SECONDS = 0.1
-_INHERITED = ('footprint', 'robot_radius', 'compatible_with')
 
 
 def run(node_name: str, describe: Callable[[], Tuple[RobotNames, Mapping[str, Any], Optional[str]]]) -> None:
@@ -80,11 +79,8 @@ def read_robot_settings(overrides: Mapping[str, Any], default_tf_prefix: Optiona
 
 
 def _inherited(raw: Mapping[str, Any]) -> Dict[str, str]:
-    """Return {name: value} of the parameters that a namespace further up may hold: a footprint or radius, a profile.
-
-    Costmaps look for their footprint in the same way.
-    """
-    found = {name: rospy.search_param(name) for name in _INHERITED if name not in raw}
+    """Return {name: value} of the parameters that a namespace further up may hold: a footprint or radius, a profile."""
+    found = {name: rospy.search_param(name) for name in INHERITED if name not in raw}
     return {name: rospy.get_param(path) for name, path in found.items() if path}
 
 

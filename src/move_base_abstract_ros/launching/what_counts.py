@@ -1,0 +1,148 @@
+"""Say of an adopted launch file which of its maps and parameters count: robots use maps as upstream's planner does.
+
+``adoption`` is the object that applies the rules of :mod:`.adoption`.
+"""
+import math
+
+from move_base_abstract.common.errors import ConfigurationError
+
+from ..adopting import poses, robots, served
+from ..loopback import PACKAGE
+from . import roles
+
+
+def use_maps(adoption, kept):
+    """Have the robots use the maps that the ``kept`` nodes serve. A start that upstream would not allow may be left."""
+    nodes = {roles.name_of(node): node for node in kept}
+    maps = _served(adoption, kept)
+    used, ground_of = {}, _ground_of()
+    for robot in adoption.robots if maps else ():
+        node = nodes.get(robot.name)
+        if robot.name not in adoption.added and (node is None or not _is_ours(adoption, node)):
+            continue
+        try:
+            one, settings, why = _used(adoption, robot, node, maps)
+        except ConfigurationError:
+            continue  # reported when all is decided
+        if one is not None:
+            used.setdefault((one, _as_upstream(settings)), []).append(robot.name)
+            _say_start(adoption, robot.name, settings, one, ground_of(one))
+        elif why:
+            adoption.remarks.append('{} uses no map and drives straight: {}'.format(robot.name, why))
+    for (one, how), names in used.items():
+        adoption.remarks.append(
+            '{} use{} the map of {}, as upstream would{}; --param {}/use_map=false undoes it, --param use_map=false '
+            'for all robots'.format(_all(names), 's' * (len(names) == 1), one.name, how, names[0]))
+    for one in maps:
+        if used and one not in [chosen for chosen, _how in used]:
+            adoption.remarks.append('no robot uses the map of {} on {}'.format(one.name, one.topic))
+
+
+def _used(adoption, robot, node, maps):
+    """Return (the Served that a Robot uses from now on or None, its settings, why it uses none or '').
+
+    :raises ConfigurationError: if the robot would end with an error.
+    """
+    name, values, group = robot.name, adoption.values(), adoption.below(robot.name)
+    if served.nearest(name, 'use_map', values) is False or {'use_map', 'compatible_with'} & set(group):
+        return None, None, ''  # somebody has said what to do; the original package's robots know no routes
+    settings = adoption.read_settings(group, name)
+    costmaps, frame = settings.costmaps, settings.values['global_frame']
+    if costmaps.map_topic is None:
+        return None, None, 'its global costmap has no static layer'
+    remaps = node.remap_args if node is not None else ()
+    wanted = served.resolved(costmaps.map_topic, robot.namespace, remaps)
+    one = next((one for topic in (wanted, '/map') for one in maps if one.topic == topic), None)
+    if one is None:
+        return None, None, 'nothing in the file serves {}'.format(wanted)
+    if frame != one.frame_id:
+        return None, None, 'its global frame is {}, and the map of {} is in the frame {}'.format(
+            frame, one.name, one.frame_id)
+    param = {'use_map': True}
+    if 'routes' not in group and group.get('allow_occupied_goals') is not True:
+        param.update(routes='grid', leave_obstacles=True)
+    if one.topic != ('/map' if wanted == robot.namespace + 'map' else wanted) and 'map_topic' not in group:
+        param['map_topic'] = one.topic
+    adoption.param.update(('{}/{}'.format(name, key), value) for key, value in param.items() if key not in group)
+    return one, adoption.read_settings(adoption.below(name), name), ''
+
+
+def _is_ours(adoption, node):
+    """Return whether a node of the file will be our move_base; the original package's program looks at no map."""
+    return node.type == robots.OWN[0] and (node.package == PACKAGE or not adoption.is_kept(node))
+
+
+def _served(adoption, kept):
+    values = adoption.values()
+    found = [served.served_by(node, values) for node in kept
+             if node.type == 'map_server' and node.package in (PACKAGE, 'map_server')]
+    for name, added in {**adoption.options.add, **adoption.added}.items():
+        kind, _, arguments = added.partition(' ')
+        if kind.endswith('/map_server'):
+            topic = served.resolved('map', name.rpartition('/')[0] + '/', ())
+            found.append(served.Served(name, topic, 'map', tuple(poses.words_of(arguments))))
+    return found
+
+
+def _ground_of():
+    """Return ground_of(Served), which loads each map once; it returns ground(x, y) [m, map frame], see floors."""
+    known = {}
+
+    def ground_of(one):
+        if one.words not in known:
+            from ..adopting import floors  # it needs numpy and Pillow
+            known[one.words] = floors.ground(one.words)
+        return known[one.words]
+    return ground_of
+
+
+def _say_start(adoption, name, settings, one, ground):
+    place = ground(settings.start.x, settings.start.y)
+    if place:
+        adoption.remarks.append('{} starts at ({:g}, {:g}), {} of {}{}'.format(
+            name, settings.start.x, settings.start.y, place, one.name,
+            ', and may leave that place (leave_obstacles)' if settings.values['leave_obstacles'] else ''))
+
+
+def _as_upstream(settings):
+    """Return in words how a robot with these settings uses a map."""
+    if settings.values['routes'] != 'grid':
+        return ': goals in occupied cells cannot be reached'
+    costmaps, tolerances = settings.costmaps, settings.tolerances
+    inflation = '' if costmaps.inflation == math.inf else ', inflation {:g} m'.format(costmaps.inflation)
+    near = ', or {:g} m beside a goal'.format(settings.plan_tolerance) if settings.plan_tolerance else ''
+    return (' (routes: grid, radius {:.3g} m{}, unknown cells {}, tolerances {:g} m and {:g} rad{}): ways lead around '
+            'what it shows, and goals in occupied cells cannot be reached'.format(
+                costmaps.global_footprint.inscribed_radius, inflation,
+                'free' if settings.values['allow_unknown'] else 'not free', tolerances.xy, tolerances.yaw, near))
+
+
+def _all(names):
+    return names[0] if len(names) == 1 else '{} and {}'.format(', '.join(names[:-1]), names[-1])
+
+
+def say_unread(adoption):
+    """Name the parameters of our robots, and of nodes that are left out or replaced, that have no effect."""
+    keys = [key for key in adoption.config.params if not poses.is_of_place(key)]
+    names = [roles.name_of(node) for node in adoption.config.nodes]
+    found = {}
+    for node in adoption.config.nodes:
+        name = roles.name_of(node)
+        paths = _below(name, names, keys)
+        if name in adoption.settings:
+            settings = adoption.settings[name]
+            paths = ['{} (only with {})'.format(path, settings.needs[path]) if path in settings.needs else path
+                     for path in (*settings.ignored, *settings.unknown) if path in paths]
+        elif not adoption.is_out(node):
+            continue  # its program is started, and reads what it wants
+        if paths:
+            found.setdefault(tuple(paths), []).append(name)
+    if found:
+        adoption.remarks.append('of this file these parameters have no effect: ' + '; '.join(
+            '{}: {}'.format(_all(owners), ', '.join(paths)) for paths, owners in found.items()))
+
+
+def _below(owner, others, keys):
+    """Return the paths below ``owner`` of the ``keys`` (full names of parameters) that belong to none of ``others``."""
+    inner = tuple(other + '/' for other in others if other.startswith(owner + '/'))
+    return [key[len(owner) + 1:] for key in sorted(keys) if key.startswith(owner + '/') and not key.startswith(inner)]

@@ -1,0 +1,137 @@
+"""A map in a launch file of others counts, as with upstream's planner; parameters without an effect are named."""
+import pytest
+
+from strangers_package import adopt, package_fixture, write_map  # noqa: F401 - a fixture
+
+SERVER = '<node pkg="map_server" type="map_server" name="map_server" args="$(dirname)/../maps/walls.yaml"/>'
+FILE = """<launch>
+  {server}
+  <node pkg="amcl" type="amcl" name="amcl">
+    <param name="initial_pose_x" value="{x}"/><param name="initial_pose_y" value="1.5"/>
+    <param name="initial_cov_xx" value="0.25"/>
+  </node>
+  <node pkg="move_base" type="move_base" name="move_base">
+    <rosparam>{{{param}}}</rosparam>
+  </node>
+</launch>"""
+GRID = {'/move_base/use_map': True, '/move_base/routes': 'grid', '/move_base/leave_obstacles': True}
+NO_EFFECT = 'of this file these parameters have no effect: '
+
+
+@pytest.fixture(name='file')
+def file_fixture(package):
+    """Return write(**parts of FILE): the path of a launch file with a map of 4 m x 3 m."""
+    write_map(package)
+    return lambda server=SERVER, x=1.0, param='': package('one.launch', FILE.format(server=server, x=x, param=param))
+
+
+def remarks(made, words):
+    return [line for line in made.remarks if words in line]
+
+
+def test_a_map_server_in_the_file_means_that_robots_go_around_its_map_and_a_note_says_how_to_undo_it(file):
+    made = adopt(file(param="""robot_radius: 0.2, base_local_planner: dwa_local_planner/DWAPlannerROS,
+      DWAPlannerROS: {max_vel_x: 0.5, xy_goal_tolerance: 0.25, yaw_goal_tolerance: 0.3},
+      global_costmap: {inflation_radius: 0.15, track_unknown_space: true},
+      NavfnROS: {allow_unknown: false, default_tolerance: 0.4}"""))
+    assert made.options.param == GRID
+    line, = remarks(made, 'uses the map of')
+    assert line.startswith(
+        '/move_base uses the map of /map_server, as upstream would (routes: grid, radius 0.206 m, inflation 0.15 m, '
+        'unknown cells not free, tolerances 0.25 m and 0.3 rad, or 0.4 m beside a goal): ways lead around what it ')
+    assert line.endswith('--param /move_base/use_map=false undoes it, --param use_map=false for all robots')
+
+
+@pytest.mark.parametrize('name', ['/use_map', '/move_base/use_map'])
+def test_the_parameter_use_map_undoes_it_for_all_robots_or_for_one(file, name):
+    made = adopt(file(), param={name: False})
+    assert made.options.param == {name: False}
+    assert not remarks(made, 'uses the map')
+
+
+def test_what_the_user_gives_of_routes_takes_precedence(file):
+    made = adopt(file(), param={'/move_base/routes': 'none'})
+    assert made.options.param == {'/move_base/use_map': True, '/move_base/routes': 'none'}
+    assert remarks(made, 'goals in occupied cells cannot be reached')
+
+
+@pytest.mark.parametrize(('param', 'why'), [
+    ('global_costmap: {static_map: false}', 'its global costmap has no static layer'),
+    ('global_costmap: {plugins: [{name: o, type: "costmap_2d::ObstacleLayer"}]}', 'has no static layer'),
+    ('global_costmap: {plugins: [{name: s, type: "costmap_2d::StaticLayer"}], s: {enabled: false}}', 'no static layer'),
+    ('global_costmap: {global_frame: odom}', 'its global frame is odom, and the map of /map_server is in the frame')])
+def test_a_robot_whose_planner_has_no_map_drives_straight_and_is_told(file, param, why):
+    made = adopt(file(param=param))
+    assert made.options.param == {}
+    assert len(remarks(made, '/move_base uses no map and drives straight: ')) == len(remarks(made, why)) == 1
+
+
+@pytest.mark.parametrize(('node', 'param', 'topic', 'is_used'), [
+    ('', '', None, True),
+    ('<remap from="map" to="yard"/>', '', None, False),
+    ('<remap from="map" to="yard"/>', 'global_costmap: {map_topic: yard}', '/yard', True),
+    ('<remap from="map" to="yard"/>',
+     'global_costmap: {plugins: [{name: s, type: "costmap_2d::StaticLayer"}], s: {map_topic: /yard}}', '/yard', True)])
+def test_the_topic_of_the_map_is_that_of_the_static_layer(file, node, param, topic, is_used):
+    server = SERVER.replace('/>', '>{}</node>'.format(node))
+    made = adopt(file(server=server, param=param))
+    assert made.options.param.get('/move_base/use_map', False) == is_used
+    assert len(remarks(made, 'nothing in the file serves /map')) == (not is_used)
+    assert made.options.param.get('/move_base/map_topic', topic) == topic
+
+
+def test_each_robot_uses_the_map_in_its_namespace_or_the_one_for_all(package):
+    write_map(package)
+    group = '<group ns="{}">{}<node pkg="move_base" type="move_base" name="move_base"/></group>'
+    made = adopt(package('two.launch', '<launch>{}{}{}</launch>'.format(
+        SERVER, group.format('a', SERVER), group.format('b', ''))))
+    assert made.options.param['/a/move_base/map_topic'] == '/a/map'
+    assert '/b/move_base/map_topic' not in made.options.param
+    assert made.options.param['/b/move_base/routes'] == 'grid'
+    assert len(remarks(made, 'uses the map of')) == 2
+
+
+def test_a_second_map_that_no_robot_uses_is_named(file):
+    made = adopt(file(server=SERVER + SERVER.replace('name="map_server"', 'name="keepout"').replace(
+        '/>', '><remap from="map" to="keepout_map"/></node>')))
+    assert remarks(made, 'no robot uses the map of /keepout on /keepout_map')
+
+
+@pytest.mark.parametrize('server', ['', SERVER.replace('walls.yaml', 'none.yaml')])
+def test_without_a_map_nothing_changes(file, server):
+    made = adopt(file(server=server))
+    assert made.options.param == {}
+    assert not remarks(made, 'map and drives straight')
+
+
+@pytest.mark.parametrize(('x', 'text'), [
+    (1.0, None), (0.05, 'in an occupied cell of the map of /map_server, and may leave'),
+    (-3.0, 'starts at (-3, 1.5), off the map of /map_server, and may leave that place (leave_obstacles)')])
+def test_a_start_where_upstream_would_not_be_is_told(file, x, text):
+    made = adopt(file(x=x))
+    assert len(remarks(made, 'starts at')) == (text is not None)
+    assert text is None or remarks(made, text)
+
+
+def test_parameters_without_an_effect_are_named_in_one_list(file):
+    made = adopt(file(param="""planner_patience: 3.0, recovery_behaviors: [{name: r, type: x/R}], r: {far: 1.0},
+      max_speed: 1.0, oscillation_timeout: 2.0, global_costmap: {obstacle_range: 2.5, keepout: {map_topic: k},
+      plugins: [{name: s, type: "costmap_2d::StaticLayer"}, {name: keepout, type: "costmap_2d::StaticLayer"},
+        {name: i, type: "costmap_2d::InflationLayer"}, {name: o, type: "costmap_2d::ObstacleLayer"}],
+      i: {inflation_radius: 0.3, cost_scaling_factor: 5.0}}, Unknown: {of: {nobody: 1}}, tf_prefix: r"""))
+    line, = remarks(made, NO_EFFECT)
+    assert line == NO_EFFECT + (
+        '/amcl: initial_cov_xx; /move_base: global_costmap/i/cost_scaling_factor, global_costmap/keepout/map_topic, '
+        'global_costmap/obstacle_range, global_costmap/plugins, oscillation_timeout, planner_patience (only with '
+        'abort_policy: upstream), r/far, recovery_behaviors (only with abort_policy: upstream), Unknown/of/nobody')
+
+
+def test_robots_with_the_same_parameters_share_an_entry_and_the_policy_makes_patience_count(package):
+    group = """<group ns="{}"><node pkg="move_base" type="move_base" name="move_base">
+      <rosparam>{{planner_patience: 3.0, controller_patience: 2.0}}</rosparam></node></group>"""
+    path = package('two.launch', '<launch>{}{}</launch>'.format(group.format('a'), group.format('b')))
+    line, = remarks(adopt(path), NO_EFFECT)
+    assert line == NO_EFFECT + ('/a/move_base and /b/move_base: controller_patience, planner_patience (only with '
+                                'abort_policy: upstream)')
+    made = adopt(path, param={'/a/move_base/abort_policy': 'upstream', '/b/move_base/abort_policy': 'upstream'})
+    assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/a/move_base and /b/move_base: controller_patience']
