@@ -36,16 +36,16 @@ KINDS = """<launch>
   <node pkg="rosbag" type="record" name="recorder" args="-a"/>
   <node pkg="move_base_abstract" type="shim_listener" name="again" args="/a /c" respawn="true"/>
   <node pkg="move_base_abstract" type="shim_listener" name="elsewhere" args="/a /d" machine="robot"/>
+  <node pkg="move_base_abstract" type="shim_listener" name="near" args="/a /f" machine="desk"/>
   <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e" launch-prefix="gdb -ex run --args"/>
   <node pkg="study_of_others" type="options.py" name="no_node"/>
   <node pkg="study_of_others" type="both" name="both"/>
-  <node pkg="study_of_others" type="wrapped" name="wrapped"/>
-  <node pkg="study_of_others" type="binary" name="binary"/>
+  <node pkg="study_of_others" type="wrapped" name="wrapped"/><node pkg="study_of_others" type="binary" name="binary"/>
   <node pkg="study_of_others" type="records" name="records"/>
   <node pkg="study_of_others" type="starts_recorder" name="starts_recorder"/>
   <node pkg="rosbag" type="play" name="player" args="x.bag"/>
   <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
-  <machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
+  <machine name="desk" address="localhost"/><machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
 </launch>
 """
 TICKING = """<launch>
@@ -228,8 +228,8 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         done = self.run_it('--list', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
         first, *others = done.stdout.splitlines()
-        self.assertEqual(first.partition(': ')[2], '11 of 19 nodes take part: /one/relay, /one/move_base, /one/fleet, '
-                         '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /both, /wrapped, /records')
+        self.assertEqual(first.partition(': ')[2], '12 of 20 nodes take part: /one/relay, /one/move_base, /one/fleet, '
+                         '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /near, /both, /wrapped, /records')
         for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
                           ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
                           ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports import rospy'),

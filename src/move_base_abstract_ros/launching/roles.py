@@ -5,6 +5,7 @@ import shlex
 from typing import NamedTuple
 
 from rosgraph.names import ns_join
+from roslaunch.core import RLException, is_machine_local
 from roslaunch.node_args import NodeParamsException, create_local_process_args
 from roslib import packages
 
@@ -136,7 +137,7 @@ def _outside(node, with_respawned):
         return _LOOK_ON[node.package]
     if (node.package, node.type) == ('rosbag', 'play'):
         return 'it only plays'
-    if node.machine_name and node.machine_name not in ('localhost', 'local'):
+    if node.machine_name and node.machine_name not in ('localhost', 'local') and not _is_here(node.machine):
         return "it belongs on the machine '{}'".format(node.machine_name)
     if node.respawn and not with_respawned and not _is_by_itself(node):
         return 'it is respawned (--no-respawn lets it take part, and be started once)'
@@ -144,6 +145,14 @@ def _outside(node, with_respawned):
     if words and os.path.basename(words[0]) in _DEBUGGERS:
         return "it runs under '{}'".format(words[0])
     return None
+
+
+def _is_here(machine):
+    """Return whether a roslaunch Machine is this computer. If its address cannot be found, that is an error later."""
+    try:
+        return is_machine_local(machine)
+    except RLException:
+        return False
 
 
 def has_last_words(node):
@@ -205,6 +214,16 @@ def command_of(node):
     if interpreter and 'PATH' not in dict(node.env_args):
         raise NodeParamsException('{} is a program for {}, which is not here'.format(words[0], interpreter))
     return words
+
+
+def folder_of(node, words, launcher):
+    """Return the working folder of a roslaunch Node with cwd="node": that of the first of the words in its file.
+
+    ``words``: of its command, which may begin with our launcher. A first word without a folder (`nice`), with which
+    roslaunch starts no node, counts as the program.
+    """
+    first = words[1 + command_line.own_words(words[1:])] if words[0] == launcher else words[0]
+    return os.path.dirname(first) or os.path.dirname(program_of(node))
 
 
 def choice_of_program(node):

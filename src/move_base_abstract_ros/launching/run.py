@@ -166,7 +166,7 @@ class Run:
         environment, cwd, node = dict(os.environ), rospkg.get_ros_home(), one.node
         if node is not None:
             environment = setup_env(node, node.machine, self.uri)
-            cwd = os.path.dirname(one.words[0]) if node.cwd == 'node' else cwd
+            cwd = roles.folder_of(node, one.words, self._launcher) if node.cwd == 'node' else cwd
         os.makedirs(cwd, exist_ok=True)
         one.output.prepare()
         one.pids.append(warm_nodes.start(one.words, environment, one.output.enter, cwd, self._launcher,

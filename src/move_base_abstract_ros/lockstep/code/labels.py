@@ -4,6 +4,7 @@ Places that are noticed before the program takes part are reported when it does.
 """
 from __future__ import annotations
 
+import sys
 import threading
 from typing import Any, Dict, Optional, Tuple
 
@@ -64,8 +65,16 @@ class NoticedPlaces:
     def _say(self, text: str) -> None:
         participant = self.participant
         if participant is not None:
-            rospy.logwarn('%s: %s', participant.members.own_name, text)
+            _warn('{}: {}'.format(participant.members.own_name, text))
             participant.label(text)
+
+
+def _warn(text: str) -> None:
+    """Print a warning; inside rospy.init_node, where rospy's own output needs a time that is not there yet, too."""
+    if rospy.rostime.is_rostime_initialized():
+        rospy.logwarn('%s', text)
+    else:
+        print(text, file=sys.stderr, flush=True)
 
 
 #: the labels of this process
