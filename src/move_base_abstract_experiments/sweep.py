@@ -131,7 +131,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     """Check a trial's launch file. Add a note for the user to ``notes`` for each kind of node, '' if there is none."""
     from roslaunch.arg_dump import get_args
 
-    from move_base_abstract_ros.launching import given, roles
+    from move_base_abstract_ros.launching import given, roles, started
     from move_base_abstract_ros.launching.plan import launch_options
     experiment, arguments = trial.experiment, trial.arguments
     path = launch_files.find(trial.launch, experiment.folder)
@@ -144,7 +144,8 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     try:
         config = launch_files.read([(path, arguments)], is_tolerant)
         options = launch_options(trial.run_options)
-        given.add_to(config, launch_files.adopted(config, options) if experiment.adopt else options)
+        options = launch_files.adopted(config, options) if experiment.adopt else options
+        given.add_to(config, options)
     except ConfigurationError as error:
         raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
     names = [roles.name_of(node) for node in config.nodes]
@@ -157,6 +158,8 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
         kind = roles.kind_of(node)
         if kind not in notes and name not in experiment.leave_out and kind not in experiment.replace:
             notes[kind] = roles.choice_of_program(node)
+    started.take_away(config, options)
+    started.refuse_missing(config)
 
 
 def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,

@@ -139,7 +139,8 @@ class ForeignSuite(OwnFolder, unittest.TestCase):
         for words in ('gone: left out: https://github.com/study/nowhere at commit 0000', ' cannot be fetched: fatal: ',
                       'changed: left out: {} is not as published: M node.py'.format(changed),
                       'other: left out: {} is at commit '.format(other), 'missing: left out: it cannot be run: ',
-                      'unbuilt: left out: it cannot be run, is it built? /unbuilt crashed: it could not be started',
+                      'unbuilt: left out: it cannot be run: lockstep_launch: nothing is started, because '
+                      'programs are not here: /unbuilt: there is no program ',
                       'broken: left out: it cannot be run: lockstep_launch: /broken ended (exit code 1) before it took',
                       'foreign: 0 systems were run, 6 were left out'):
             self.assertIn(words, said)

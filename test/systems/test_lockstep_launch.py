@@ -8,17 +8,13 @@ import signal
 import subprocess
 import time
 import unittest
-from types import SimpleNamespace
-from unittest import mock
 
 import warm
 from own_folder import GUARD, OwnPackage, events_of
 from own_nodes import NODES
 
-from move_base_abstract.common.shown import MAX_LENGTH
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
-from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -44,7 +40,6 @@ KINDS = """<launch>
   <node pkg="study_of_others" type="records" name="records"/>
   <node pkg="study_of_others" type="starts_recorder" name="starts_recorder"/>
   <node pkg="rosbag" type="play" name="player" args="x.bag"/>
-  <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
   <machine name="desk" address="localhost"/><machine name="robot" address="192.0.2.1" env-loader="/opt/env.sh"/>
 </launch>
 """
@@ -103,7 +98,6 @@ FATES = """<launch>
   <node pkg="study_of_others" type="ticks.py" name="ticks"/>
   <node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot"/>
   <node pkg="move_base_abstract" type="shim_calls" name="calls"/>
-  <node pkg="move_base_abstract" type="no_such_program" name="missing"/>
   {}
 </launch>
 """
@@ -130,8 +124,7 @@ CRASHES = {
     '/exits': r'at 3\.0+ s: exit code 3', '/vanishes': r'at 3\.0+ s: exit code 4',
     '/faults': r'at 3\.0+ s: ended by SIGSEGV', '/killed': r'at 3\.0+ s: ended by SIGKILL',
     '/last_round': r'at \d+\.\d+ s: exit code 1; KeyError in the main thread, fates.py, line \d+',
-    '/again': r': exit code 7', '/looks_on': r': \[ERROR\] bad callback: <function .*>',
-    '/missing': r': it could not be started'}
+    '/again': r': exit code 7', '/looks_on': r': \[ERROR\] bad callback: <function .*>'}
 
 
 def nearest_idle(seed):
@@ -228,28 +221,18 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         done = self.run_it('--list', self.file(KINDS))
         self.assertEqual(done.returncode, 0, done.stdout)
         first, *others = done.stdout.splitlines()
-        self.assertEqual(first.partition(': ')[2], '12 of 20 nodes take part: /one/relay, /one/move_base, /one/fleet, '
+        self.assertEqual(first.partition(': ')[2], '12 of 19 nodes take part: /one/relay, /one/move_base, /one/fleet, '
                          '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /near, /both, /wrapped, /records')
         for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
                           ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
                           ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports import rospy'),
-                          ('/missing', 'there is no program'), ('/binary', 'it is a shell script')):
+                          ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
             self.assertIn(why, line)
         self.assertIn('lockstep_launch: /recorder records no /clock, /rosout, /rosout_agg, /time_master/...: they go '
                       'past lockstep', others)
         self.assertIn("lockstep_launch: the bag of '/starts_recorder' is not covered: it looks on: it is a shell",
                       done.stdout)
-
-    def test_of_a_program_that_is_not_there_it_is_said_how_ours_is_started_in_its_place(self):
-        for package, kind, hint in (('move_base', 'move_base', '; ours: --replace move_base/move_base='
-                                     'move_base_abstract/move_base'), ('map_server', 'map_saver', '')):
-            node = SimpleNamespace(package=package, type=kind, name='node', namespace='/', machine_name=None,
-                                   respawn=False, launch_prefix=None)
-            with mock.patch.object(roles, 'program_of', lambda _node: None):
-                role = roles.role_of(node)
-            self.assertEqual(role.why, 'there is no program {}/{}{}'.format(package, kind, hint))
-            self.assertLessEqual(len(role.why), MAX_LENGTH)  # so it is not cut
 
     def test_options_say_otherwise(self):
         done = self.run_it('--list', '--no-respawn', '--onlooker', 'flags', '--onlooker', 'recorder', '--leave-out',

@@ -110,8 +110,7 @@ rospy.init_node('missing')
 
 
 class MapTest(OwnPackage, unittest.TestCase):
-    FILES = {'asker.py': ASKER, 'for_nobody': '#!/usr/bin/no_such_interpreter\n',
-             'by_env': '#!/usr/bin/env -S sh -e\n', 'by_path': '#!/usr/bin/env own_sh\n',
+    FILES = {'asker.py': ASKER, 'by_env': '#!/usr/bin/env -S sh -e\n', 'by_path': '#!/usr/bin/env own_sh\n',
              'own_sh': '#!/bin/sh\n', 'gives_up.py': GIVES_UP}
 
     def _run(self, *words, own='', more=''):
@@ -140,14 +139,7 @@ class MapTest(OwnPackage, unittest.TestCase):
         self.assertIn('/missing ended (exit code 1) before it took part', said)
         self.assertNotIn('please report it', said)
 
-    def test_a_program_that_could_not_be_started_makes_the_run_not_repeatable(self):
-        for program, why in (('no_such_program', 'Cannot locate node of type [no_such_program]'),
-                             ('for_nobody', 'is a program for /usr/bin/no_such_interpreter, which is not here')):
-            said, end, _ = self._run('--crashes', 'allow', more=MISSING.format(program))
-            self.assertIn(why, said)
-            self.assertIn('/missing crashed: it could not be started', said)
-            self.assertEqual(end['not_repeatable_because'], ["'/missing' could not be started"])
-            self.assertFalse(end['repeatable'])
+    def test_an_interpreter_may_be_found_by_the_environment(self):
         own_path = MISSING.format('by_path').replace('/>', '><env name="PATH" value="{}:$(env PATH)"/></node>'.format(
             self.folder))
         for more in (MISSING.format('by_env'), own_path):

@@ -134,9 +134,9 @@ class RunOptions:
         FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, leaves out simulators, '
         'takes start poses from the file', systems=_OF_FILES, in_digest=True)
     tolerant: bool = option(
-        FLAG, False, 'leaves out what the file names and is not installed (files that it includes or loads, parameters '
-        'from a program, environment variables), uses packages that lie beside the file, and runs the nodes of all '
-        'machines here', systems=_OF_FILES, in_digest=True)
+        FLAG, False, 'leaves out what the file names and is not installed (programs, files that it includes or loads, '
+        'parameters from a program, environment variables), uses packages that lie beside the file, and runs the '
+        'nodes of all machines here', systems=_OF_FILES, in_digest=True)
     start: Dict[str, Tuple[float, float, float]] = option(
         map_of(POSE, NODE), {}, "where a robot's node starts [m, m, rad, map frame]: its `start_x`, `start_y`, "
         '`start_yaw`', systems=_OF_FILES, in_digest=True, metavar='NODE=X,Y,YAW')

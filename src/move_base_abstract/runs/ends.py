@@ -51,9 +51,10 @@ class Process(NamedTuple):
     was_told: bool = False  # whether it got a signal from us
     printed: Tuple[str, ...] = ()  # the last lines that it has printed
     shown: Tuple[str, ...] = ()  # the lines printed before the end that show uncaught exceptions
-    was_started: bool = True
     names: Tuple[str, ...] = ()  # the participants that it may be; empty: only ``node``
     is_shell: bool = False  # whether it is a shell, whose exit code 0 says nothing of the programs it has started
+    looks_on: bool = False  # whether it is a node that takes no part
+    only_displays: bool = False  # whether it is a window that shows what is, so that its end is no crash
 
 
 class Log:
@@ -118,6 +119,7 @@ class End(NamedTuple):
     uncaught: Tuple[str, ...]
     crash: Optional[str]
     last_lines: Tuple[str, ...]
+    looks_on: bool = False  # whether it is a node that takes no part
 
     @property
     def words(self) -> str:
@@ -158,7 +160,6 @@ def _end_of(process: Process, log: Log) -> End:
     found = _unexpected(process, died) if is_early else None
     if process.node == TIME_MASTER and log.is_whole and process.code == 1:
         found = None  # its exit code 1 says that the run did not end as wished
-    found = found if process.was_started else 'it could not be started'
     whys = [found] if found else []
     if uncaught:
         whys.append(uncaught[0] + (' (and {} more)'.format(len(uncaught) - 1) if len(uncaught) > 1 else ''))
@@ -170,8 +171,8 @@ def _end_of(process: Process, log: Log) -> End:
     is_told = bool(whys) or bool(code)
     hints = [log.hints[name] for name in names if name in log.hints] or [
         FIRST_USE.format('may have begun', '/tf') for _ in filter(_OF_TF.match, process.printed)]
-    return End(process.node, code, time_ns, tuple(uncaught), '; '.join(whys) or None,
-               (*hints, *plain_lines(process)) if is_told else ())
+    return End(process.node, code, time_ns, tuple(uncaught), None if process.only_displays else '; '.join(whys) or None,
+               (*hints, *plain_lines(process)) if is_told else (), process.looks_on)
 
 
 def _unexpected(process: Process, died: bool) -> Optional[str]:

@@ -17,10 +17,13 @@ _MOST_INCLUDED = 1000
 def read(files: List[Tuple[str, Sequence[str]]], is_tolerant: bool = False) -> Any:
     """Return roslaunch's configuration of files, as plan.read() does. :raises ConfigurationError: if it cannot."""
     from roslaunch.core import RLException
+    from rospkg import ResourceNotFound
 
     from move_base_abstract_ros.launching import plan
     try:
         return plan.read(files, is_tolerant)
+    except ResourceNotFound as error:
+        raise ConfigurationError(f'the package {error.args[0]} is not found here; is its workspace sourced?') from None
     except RLException as error:
         raise ConfigurationError(str(error)) from None
 

@@ -138,12 +138,18 @@ def _judge(job: Job, result: Result, processes: List[ends.Process], log: ends.Lo
     :raises RunError: if there is a problem, or a crash that the experiment does not allow.
     """
     found = ends.judge(processes, log)
-    result.ends, result.crashes = [one.told for one in found], ends.crashes(found)
+    result.ends, result.crashes = [one.told for one in found], _crashes(found)
+    result.labels = [*result.labels, *(f'{one.words}; it looks on' for one in found if one.crash and one.looks_on)]
     if result.crashes and job.trial.experiment.crashes == FAIL:
         more = f' (and {len(result.crashes) - 1} more)' if len(result.crashes) > 1 else ''
         raise RunError(result.crashes[0] + more + (f'; {problem}' if problem else ''), termination.CRASH)
     if problem is not None:
         raise problem
+
+
+def _crashes(found: List[ends.End]) -> List[str]:
+    """Return the texts of the crashes that make a trial incomplete: those of onlookers do not."""
+    return ends.crashes(one for one in found if not one.looks_on)
 
 
 def _take_log(folders: Folders, result: Result, starts: metrics.Starts) -> metrics.Summary:
@@ -218,7 +224,7 @@ def _verify(job: Job, path: str, folders: Folders, result: Result, first: Dict[s
 
 def _other_end(result: Result, ended: run.Ended, again: Folders) -> Optional[str]:
     """Return how the end of a second run differs from that of the first, although its events are the same; or None."""
-    found = ends.crashes(ends.judge(ended.processes, ends.read_log(again.log)))
+    found = _crashes(ends.judge(ended.processes, ends.read_log(again.log)))
     if found != result.crashes:
         return ' / '.join(', '.join(one) or 'no crash' for one in (result.crashes, found))[:_LONGEST_ERROR]
     return None if ended.problem is None else str(ended.problem)

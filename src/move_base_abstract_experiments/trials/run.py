@@ -46,7 +46,7 @@ def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> En
     made = run_plan.plan_of(this)
     started = launching.Run(made, folders.log, outputs.Files(folders.logs),
                             launching.Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folders.own,
-                            this.path(run_plan.START_NOTE), job.is_warm and condition is None)
+                            this.path(run_plan.START_NOTE), job.is_warm and condition is None, heeds_onlookers=False)
     limit = this.experiment.time_limit
     try:
         started.start(commands=_commands(this))
@@ -58,10 +58,19 @@ def run(job: Job, folders: Folders, condition: Optional[Condition] = None) -> En
     error = None
     if problem is not None:
         is_late = problem.kind == launching.LIMIT
-        error = RunError(problem.text + ' (time_limit)' * is_late, termination.TIME_LIMIT if is_late else None)
+        error = RunError(problem.text + (f' (time_limit{_not_heeded(made)})' if is_late else ''),
+                         termination.TIME_LIMIT if is_late else None)
     elif started.has_failed:
         error = RunError('the run did not end as wished: the time master: ' + started.code_of_time_master)
     return Ended(run_plan.starts_of(made.config), found, error)
+
+
+def _not_heeded(made: Any) -> str:
+    """Return a text about the nodes that would end the run of roslaunch, and do not end a trial."""
+    from move_base_abstract_ros.launching import roles
+    names = [roles.name_of(node) for node in made.config.nodes if node.required]
+    looking = [one.name for one in made.roles if one.name in names and not one.takes_part]
+    return '; the end of an onlooker ends no trial: ' + ', '.join(looking) if looking else ''
 
 
 def _commands(this: Run) -> List[Any]:

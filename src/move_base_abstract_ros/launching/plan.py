@@ -21,7 +21,7 @@ from ..adopting.reading import PlacingLoader, Tolerant
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
-from . import given, look_ups, roles, start_poses
+from . import given, look_ups, roles, start_poses, started
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
 _NOT_COVERED = TIME_MASTER + '/not_covered'
@@ -41,6 +41,7 @@ class LaunchOptions(RunOptions):
     parts: int = 0  # number of processes into which a fleet is split; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
     is_told: bool = False  # whether the user has been told what is added and where robots start
+    no_windows: str = 'experiments, verify, chaos and tests start none'  # why; '': RViz and the like are started
 
     @property
     def kept(self):
@@ -77,10 +78,6 @@ class Plan(NamedTuple):
     def participants(self):
         """Names of the participants."""
         return [role.name for role in self.roles if role.takes_part]
-
-    def label(self, reasons):
-        """Make the run not repeatable for these ``reasons``. To be called before it starts."""
-        _label(self.config, reasons)
 
 
 def make_plan(files, options):
@@ -143,13 +140,10 @@ def plan_of(config, options):
     said = start_poses.said_by(config)
     given.add_to(config, options)
     notes = [] if options.is_told else given.told(options)
-    _check_names(config, options)
-    left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.leave_out]
-    config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    replaced = _replace(config, options.replace)
-    notes += [] if options.is_told else replaced
+    left_out, more = started.take_away(config, options)
+    notes += more
     _refuse_other_clocks(config, options.kept)
-    _take_real_map_server(config)
+    started.refuse_missing(config)
     fleets = _fleets(config)
     notes += _split(config, fleets, options.parts)
     notes += start_poses.notes_of(config, said, not options.is_told)
@@ -212,36 +206,6 @@ def name_anonymous_ones_alike():
 
     # roslaunch looks the function up in this module, and nothing else in this process uses it.
     substitution_args.rosgraph.names.anonymous_name = anonymous_name
-
-
-def _check_names(config, options):
-    names = [roles.name_of(node) for node in config.nodes]
-    for option, asked in (('--participant', options.participant), ('--onlooker', options.onlooker),
-                          ('--leave-out', options.leave_out)):
-        for name in asked:
-            given.check_known(option, name, names)
-
-
-def _replace(config, replaced):
-    notes = []
-    for old, new in replaced.items():
-        found = [node for node in config.nodes if roles.kind_of(node) == old]
-        if not found:
-            raise ConfigurationError('--replace {}: the launch file has no node of this kind; it has {}'.format(
-                old, ', '.join(sorted({roles.kind_of(node) for node in config.nodes}))))
-        for node in found:
-            node.package, node.type = new.split('/')
-        notes.append('{} {} replaces {}'.format(len(found), new, old))
-    return notes
-
-
-def _take_real_map_server(config):
-    """Let the real map_server take part in its own way, if it is installed: ours would become it."""
-    real = roslaunch.core.Node('map_server', 'map_server')
-    if roles.program_of(real) is not None:
-        for node in config.nodes:
-            if roles.kind_of(node) == PACKAGE + '/map_server':
-                node.package = node.type = 'map_server'
 
 
 def _refuse_other_clocks(config, kept):

@@ -25,12 +25,12 @@ _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 
 _WITH_LAST_WORDS = 'soil_coordinator'
 #: nodes of this package that only show what is, and why its other programs do not take part
 _SHOWING, _NO_NODE = ('radio_markers', 'why'), 'it is a command of this package, and no node'
-_LOOK_ON = {
-    'rviz': 'it only displays',
-    'rqt_gui': 'it only displays', 'image_view': 'it only displays', 'plotjuggler': 'it only displays'}
+#: packages whose programs, or some of whose programs, are windows that only show what is
+_WINDOWS = {'rviz': None, 'rqt_gui': None, 'plotjuggler': None,
+            'image_view': ('image_view', 'disparity_view', 'stereo_view')}
+_OF_RQT, _RQT = re.compile('rqt(?:_.*)?'), 'rqt_gui'
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
-_STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}
 _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd')
 _OWN_PREFIX = 'move_base_abstract lockstep'
 
@@ -104,9 +104,7 @@ def _kind(node, name, forced, kept_out, with_respawned):
         return 'itself', ''
     path = program_of(node)
     if path is None:
-        return None, 'there is no program {}'.format(_without(node))
-    if _is_own_display(node) and name not in forced:
-        return None, 'it only displays'
+        return None, 'there is no program {}'.format(kind_of(node))
     kind, why = programs.kind_of(path)
     if kind is None and node.package == PACKAGE:
         why = _NO_NODE
@@ -117,8 +115,16 @@ def _is_own_display(node):
     return node.package == PACKAGE and _own_type(node) in _SHOWING
 
 
+def is_window(node):
+    """Return whether a roslaunch Node is a window that only shows what is: of RViz, of rqt, of images."""
+    if node.package in _WINDOWS:
+        return node.type in (_WINDOWS[node.package] or [node.type])
+    path = program_of(node) if _OF_RQT.fullmatch(node.package) else ''
+    return path is None or path != '' and programs.imports_one_of(path, (_RQT,))
+
+
 def _may_provide(node):
-    path = None if node.package in _LOOK_ON or _is_own_display(node) else program_of(node)
+    path = None if is_window(node) or _is_own_display(node) else program_of(node)
     return path is not None and not recorders.is_recorder(node) and programs.kind_of(path)[0] is not None
 
 
@@ -133,8 +139,8 @@ def _is_by_itself(node):
 
 def _outside(node, with_respawned):
     """Return why a node cannot take part, whatever its program is, or None."""
-    if node.package in _LOOK_ON:
-        return _LOOK_ON[node.package]
+    if is_window(node) or _is_own_display(node):
+        return 'it only displays'
     if (node.package, node.type) == ('rosbag', 'play'):
         return 'it only plays'
     if node.machine_name and node.machine_name not in ('localhost', 'local') and not _is_here(node.machine):
@@ -179,12 +185,6 @@ def is_shell(node):
     path = None if node.package == PACKAGE else program_of(node)
     return bool(prefix) and is_shell_word(prefix[0]) or (
         path is not None and command_line.kind_of(path) == 'shell')
-
-
-def _without(node):
-    """Return the kind of a node whose program is missing, and the option that starts our stand-in, if we have one."""
-    kind, own = kind_of(node), _STAND_INS.get((node.package, node.type))
-    return '{}; ours: --replace {}={}/{}'.format(kind, kind, PACKAGE, own) if own else kind
 
 
 def is_nodelet_loader(node):

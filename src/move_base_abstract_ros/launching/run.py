@@ -86,7 +86,9 @@ class _Process:
         return ends.Process(self.name, self.takes_part, code, bool(self.early), self.is_told,
                             self.output.printed() if code else (), self.shown,
                             names=self.command.names if self.command is not None else (),
-                            is_shell=self.node is not None and roles.is_shell(self.node))
+                            is_shell=self.node is not None and roles.is_shell(self.node),
+                            looks_on=not self.takes_part and self.name != TIME_MASTER,
+                            only_displays=self.node is not None and roles.is_window(self.node))
 
 
 class Run:
@@ -95,26 +97,27 @@ class Run:
     ``own``: a folder that this run alone has; a run with a ROS master of its own has its secret there.
     ``note``: the path of the file that the time master writes when time starts. ``is_warm``: whether nodes may be
     forks. ``is_quick``: whether the time master is killed when its log is complete, instead of waiting for its end.
+    ``heeds_onlookers``: whether a node that is required and looks on ends the run.
     """
 
-    def __init__(self, plan, log, outputs, patience, own, note='', is_warm=True, is_quick=True):
+    def __init__(self, plan, log, outputs, patience, own, note='', is_warm=True, is_quick=True,
+                 heeds_onlookers=True):
         self._plan, self._log, self._outputs, self._patience, self._own = plan, log, outputs, patience, own
         self._note, self._is_warm, self._is_quick = note, is_warm, is_quick
+        self._heeds_onlookers = heeds_onlookers
         self._pause = outputs.pause
         self._statuses = {}  # {pid: status as of os.waitpid()}
         self._looked_at = set()  # process ids
         self._processes = []  # the time master first
         self._launcher = find_executable('lockstep')
-        self._unstarted = []  # names of nodes
         self._master = None  # process id of the ROS master
         self._is_asked = False
         self._ask_at = time.monotonic() + _ASK_EVERY_S
         self.uri = ''
 
-    def start(self, uri='', commands=(), on_failure=None):
+    def start(self, uri='', commands=()):
         """Start a ROS master, unless there is one at ``uri``; set the parameters; start all nodes, then Commands.
 
-        :param on_failure: called with (name, text) if a node cannot be started; without it that is an error.
         :raises SimulatorError: if something cannot be started.
         """
         processes.adopt_orphans()
@@ -126,8 +129,7 @@ class Run:
         config = self._plan.config
         for one in config.executables:  # of <rosparam command="delete"> and "dump"
             subprocess.run([one.command, *one.args], check=False)
-        words = self._words_of_nodes(on_failure)
-        self._plan.label(["'{}' could not be started".format(name) for name in self._unstarted])
+        words = self._words_of_nodes()
         ros_master.set_parameters(uri, [(one.key, one.value) for one in config.params.values()], config.clear_params)
         for node in sorted(config.nodes, key=lambda node: not roles.is_time_master(node)):
             if self._is_asked:
@@ -140,19 +142,15 @@ class Run:
             output = self._outputs.of('command_{}'.format(number))
             self._add(_Process(command.name, command.takes_part, output, command=command), command.words)
 
-    def _words_of_nodes(self, on_failure):
-        """Return {name: words of its command} of each node that can be started here; note the names of the others."""
+    def _words_of_nodes(self):
+        """Return {name: words of its command} of each node that is started here."""
         found = {}
         for node in self._plan.config.nodes:
             if is_machine_local(node.machine):
-                name = roles.name_of(node)
                 try:
-                    found[name] = roles.command_of(node)
-                except (NodeParamsException, ValueError) as error:
-                    if on_failure is None:
-                        raise SimulatorError('{} cannot be started: {}'.format(name, error)) from None
-                    on_failure(name, str(error))
-                    self._unstarted.append(name)
+                    found[roles.name_of(node)] = roles.command_of(node)
+                except (NodeParamsException, ValueError) as error:  # plan_of() has refused it, so it has just gone
+                    raise SimulatorError('{} cannot be started: {}'.format(roles.name_of(node), error)) from None
         return found
 
     def _add(self, one, words):
@@ -238,8 +236,7 @@ class Run:
         if self._processes:
             self._end_time_master()
             self._end_others()
-        found = [one.ended(self._statuses) for one in self._processes]
-        return found + [ends.Process(name, False, None, was_started=False) for name in self._unstarted]
+        return [one.ended(self._statuses) for one in self._processes]
 
     def _end_time_master(self):
         if self._time_master in self._statuses:
@@ -324,7 +321,7 @@ class Run:
     def _problem_of(self, one):
         """Return the Problem if a process must not end while the run goes on, or None."""
         code = self._code(one.pids[-1])
-        if one.node is not None and one.node.required and not one.takes_part:
+        if one.node is not None and one.node.required and not one.takes_part and self._heeds_onlookers:
             return Problem(REQUIRED, '{}, which is required and looks on, ended (exit code {})'.format(one.name, code),
                            one.name, code)
         if not one.takes_part or os.path.exists(self._note):

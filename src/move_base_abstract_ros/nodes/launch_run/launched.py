@@ -22,7 +22,7 @@ from ...launching import command_line, warm_nodes
 
 _GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
 #: parts of errors of launch files that were written for something that is not here
-_OF_OTHERS = ('publishes /clock', 'does not exist', 'unknown machine', 'environment variable')
+_OF_OTHERS = ('publishes /clock', 'programs are not here', 'does not exist', 'unknown machine', 'environment variable')
 _OF_ROSLAUNCH = 'No such file'  # in an error of ours, the file is one that the user names
 
 
@@ -115,6 +115,7 @@ def read_words(words):
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
     # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
     parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
+    parser.add_argument('--no-windows', action='store_true', help=argparse.SUPPRESS)  # from `verify` and rostest
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--series', type=json.loads, help=argparse.SUPPRESS)  # from `--script`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
@@ -153,7 +154,8 @@ def _run_in(own, folder, options, files):
         asked_run, _parameters_of(options), deputy=options.deputy, parts=options.parts,
         environment=((error_lines.VARIABLE, own), *((('TMPDIR', folder),) if folder else ())),
         own_environment=() if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),),
-        is_reversed=options.start_order == 'reversed')
+        is_reversed=options.start_order == 'reversed',
+        **({} if options.no_windows else {'no_windows': _why_no_windows()}))
     config = plan.read(files, asked_run.tolerant or asked_run.adopt)
     if asked_run.adopt:
         asked = _adopted(config, asked, options)
@@ -169,6 +171,11 @@ def _run_in(own, folder, options, files):
     code, found = _carry_out(made, log, own, run_id, options)
     launched = Launched(code, _bags(own, log), lines=error_lines.noted(own))
     return _conclude(made, launched, ends.judge(found, ends.read_log(log)), log, options)
+
+
+def _why_no_windows():
+    has_screen = any(os.environ.get(name) for name in ('DISPLAY', 'WAYLAND_DISPLAY'))
+    return '' if has_screen else 'there is no screen here (DISPLAY is not set)'
 
 
 def _parameters_of(options):
@@ -195,8 +202,7 @@ def _carry_out(made, log, own, run_id, options):
     asked = []
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(each, lambda number, _frame: (asked.append(number), this.stop()))
-    this.start(rosgraph.get_master_uri() if options.use_master else '', on_failure=lambda name, text: print(
-        'lockstep_launch: {} cannot be started: {}'.format(name, text), file=sys.stderr))
+    this.start(rosgraph.get_master_uri() if options.use_master else '')
     problem = this.wait()
     is_bad = problem is not None and problem.kind != run.REQUIRED
     if is_bad:
@@ -298,9 +304,6 @@ def _lines(made):
     for role in made.roles:
         if not role.takes_part:
             yield '{} looks on: {}'.format(shown_text(role.name), shown_text(role.why))
-    if any(role.why.startswith('there is no program') for role in made.roles if not role.takes_part):
-        yield 'if a program is not here: --leave-out NODE; if the file was written for Gazebo, Stage or real ' \
-              'robots, --adopt --list says what else it needs'
     for name in made.left_out:
         yield '{} is not started'.format(shown_text(name))
     if made.fleets:
