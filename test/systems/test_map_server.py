@@ -4,8 +4,10 @@ import math
 import os
 import shutil
 import tempfile
+import time
 import unittest
 
+import rosgraph
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
@@ -94,6 +96,22 @@ class MapServer(unittest.TestCase):
         self.assertEqual(metadata, grid.info)
         served = self.service('static_map', GetMap)().map
         self.assertEqual((served.info, served.data, served.header.frame_id), (grid.info, grid.data, 'map'))
+
+    def test_one_that_looks_on_in_lockstep_leaves_the_clock_but_knows_the_time_of_a_change(self):
+        self.addCleanup(rospy.set_param, '/time_master/mode', rospy.get_param('/time_master/mode', 'scaled'))
+        rospy.set_param('/time_master/mode', 'lockstep')  # what the node asks for; the clock of this test goes on
+        self.start(self.describe())
+        self.grid()
+        name, master = self.namespace + '/map_server', rosgraph.Master(rospy.get_name())
+        give_up_at = time.monotonic() + GUARD
+        while name in dict(master.getSystemState()[1]).get('/clock', ()) and time.monotonic() < give_up_at:
+            time.sleep(0.05)
+        self.assertNotIn(name, dict(master.getSystemState()[1]).get('/clock', ()))
+        if LoadMap is not None:
+            before = rospy.Time.now()
+            changed = self.service('change_map', LoadMap)(self.describe(resolution=1.0)).map.info
+            self.assertEqual(changed.resolution, 1.0)
+            self.assertTrue(before <= changed.map_load_time <= rospy.Time.now(), changed)
 
     def test_frame_id_and_an_unknown_key(self):
         process = self.start(self.describe(modes='raw'), frame_id='field')

@@ -7,7 +7,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_experiments.description import ingredients, launch_files
 from move_base_abstract_ros.launching import plan, start_poses
 from move_base_abstract_ros.nodes.launch_run import launched
-from strangers_package import package_fixture, write_map, write_stage  # noqa: F401 - a fixture
+from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 LOST = """<launch>
   <group ns="a"><node pkg="move_base_abstract" type="move_base" name="move_base"/>
@@ -36,6 +36,46 @@ def test_robots_that_are_placed_are_not_told(package):
     text = LOST.format('', '').replace(
         'name="move_base"/>', 'name="move_base"><param name="start_y" value="0"/></node>')
     assert notes_of(package('four.launch', text)) == []
+
+
+OTHERWISE = """<launch>
+  <group ns="a"><node pkg="{0}" type="move_base" name="move_base"><param name="start_x" value="3"/></node></group>
+  <group ns="b"><node pkg="{0}" type="move_base" name="move_base" args="_start_x:=6.0 _start_y:=1"/></group>
+  <group ns="c"><node pkg="{0}" type="move_base" name="move_base"/></group>
+  <group ns="d"><node pkg="move_base_abstract" type="move_base_abstract_actionserver" name="robot"
+    args="d builtin 1.0 3.0 4"/></group>
+  <node pkg="amcl" type="amcl" name="amcl" ns="d"><param name="initial_pose_x" value="9"/></node>
+</launch>"""
+
+
+def test_places_by_parameters_arguments_and_options_count_and_none_is_told_to_be_zero(package):
+    path = package('four.launch', OTHERWISE.format('move_base_abstract'))
+    for given in ({'param': {'/c/move_base/start_y': 8.0}}, {'start': {'/c/move_base': (5.0, 8.0, 0.0)}},
+                  {'param': {'/c/move_base': {'start_x': 1.0}}}):
+        made = adopt(path, **given)
+        assert [line for line in made.remarks if 'start' in line and 'd/amcl' not in line] == []
+        assert made.options.start == given.get('start', {})  # the arguments of the original package's program count
+    adopted = adopt(package('of_upstream.launch', OTHERWISE.format('move_base')))
+    assert [line for line in adopted.remarks if 'start' in line] == [
+        '/c/move_base starts at (0, 0, 0): the file gives no place; --start /c/move_base=X,Y,YAW gives one']
+    same = adopt(path, param={'/c/move_base/start_x': 6, '/c/move_base/start_y': 1})
+    assert [line for line in same.remarks if 'one place' in line] == [
+        '/b/move_base and /c/move_base start at one place, (6, 1): --start NODE=X,Y,YAW sets another']
+    assert not [line for line in notes_of(path) if 'one place' in line]
+
+
+def test_a_program_that_may_place_robots_later_is_named_with_the_place_zero(package, monkeypatch):
+    program = package('scripts/place.py', '#!/usr/bin/env python3\nimport rospy\nrospy.Publisher("/a/initialpose")\n',
+                      0o755)
+    folder = os.path.dirname(os.path.dirname(program))
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '{}:{}'.format(folder, os.environ['ROS_PACKAGE_PATH']))
+    path = package('two.launch', """<launch>
+      <group ns="a"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
+      <group ns="b"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
+      <node pkg="of_a_stranger" type="place.py" name="placer"/></launch>""")
+    unless = ', unless /placer places them, whose program names initialpose: '
+    assert ['(0, 0)' + unless in note for note in notes_of(path)] == [True]
+    assert [(line.count(unless), '(0, 0' in line) for line in adopt(path).remarks] == [(1, True)] * 3
 
 
 @pytest.mark.parametrize(('parameters', 'is_told'), [('', True), ('<param name="stage_offset_x" value="0.0"/>', False)])

@@ -208,13 +208,13 @@ class _Adoption:
         starts = {}
         for start in found:
             name = start.robot.name
-            is_set = any(name + '/' + key in self.config.params for key in ('start_x', 'start_y'))
-            if name in self.options.start or is_set:
+            own = self._own_place(name)
+            if {'start_x', 'start_y'} & set(own):
                 continue
             if start.hint is None:
-                if not self._is_placed(name):
-                    self.remarks.append(
-                        '{0} starts at (0, 0, 0): the file gives no place; --start {0}=X,Y,YAW gives one'.format(name))
+                if not own:
+                    self.remarks.append('{0} starts at (0, 0, 0){1}: the file gives no place; --start {0}=X,Y,YAW '
+                                        'gives one'.format(name, self._unless_placed()))
                 continue
             starts[name] = tuple(map(float, start.pose))
             self.done.append('{} starts at ({:g}, {:g}, {:g}): {}{}'.format(
@@ -224,20 +224,27 @@ class _Adoption:
                     name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
         for hint in unused:
             self.remarks.append('{} is not a robot of this run: {}'.format(hint.shown, 'no move_base belongs to it'))
-        self._one_place([start.pose for start in found])
+        self._one_place([self._pose_of(start, starts) for start in found])
         return starts
 
-    def _is_placed(self, name):
-        return any(roles.name_of(node) == name and start_poses.is_placed(self.config, node)
-                   for node in self.config.nodes)
+    def _pose_of(self, start, starts):
+        own = self._own_place(start.robot.name)
+        return starts.get(start.robot.name) or tuple(own.get(key, 0.0) for key in start_poses.PLACED)
+
+    def _own_place(self, name):
+        node = next((node for node in self.config.nodes if roles.name_of(node) == name), None)
+        return start_poses.own_place(name, node, self.values(), self.options.start)
+
+    def _unless_placed(self):
+        return start_poses.unless_placed(node for node in self.config.nodes if not self.is_out(node))
 
     def _one_place(self, found):
         for number, pose in enumerate(found):
             same = [robot.name for robot, other in zip(self.robots, found)
                     if max(abs(a - b) for a, b in zip(pose[:2], other[:2])) < _SAME_PLACE]
             if len(same) > 1 and self.robots[number].name == same[0]:
-                self.remarks.append('{} start at one place, ({:g}, {:g}): --start NODE=X,Y,YAW sets another'.format(
-                    ' and '.join(same), *pose[:2]))
+                self.remarks.append('{} start at one place, ({:g}, {:g}){}: --start NODE=X,Y,YAW sets another'.format(
+                    ' and '.join(same), *pose[:2], self._unless_placed()))
 
     def _frames(self):
         """Give each robot a tf_prefix, if several robots would have the same frames."""

@@ -1,4 +1,8 @@
 """Report the places of robots in a launch file that no node reads, so that none is lost silently."""
+import re
+
+from move_base_abstract.common.kinds import as_number
+
 from ..adopting import poses, robots
 from ..loopback import PACKAGE
 from . import programs, roles
@@ -7,6 +11,8 @@ PLACED = ('start_x', 'start_y', 'start_yaw')
 _IN_STAGE = ('stage_offset_x', 'stage_offset_y', 'stage_offset_yaw', 'stage_world_frame')
 _WITH_PLACE = 4  # arguments of move_base_abstract_actionserver: with fewer, no place is given
 _COMMAND = b'cmd_pose'
+_PLACING = (b'set_robot_pose', b'initialpose', b'set_pose', _COMMAND)  # what a robot listens to
+_ARGUMENT = re.compile('_(start_x|start_y|start_yaw):=(.+)')
 
 
 def said_by(config):
@@ -20,7 +26,8 @@ def notes_of(config, said, with_hints=True):
     :param said: the result of said_by(); with_hints: whether to report places that no node reads, too.
     """
     ours = [node for node in config.nodes if node.package == PACKAGE and node.type in robots.OWN]
-    lost = [node for node in ours if not is_placed(config, node)]
+    values = {key: param.value for key, param in config.params.items()}
+    lost = [node for node in ours if not own_place(roles.name_of(node), node, values)]
     notes, told = [], set()
     found, _unused = robots.starts_of(robots.robots_of(config, []), *said)
     for start in found if with_hints else ():
@@ -30,7 +37,8 @@ def notes_of(config, said, with_hints=True):
                          'does so for all'.format(start.robot.name, start.hint.shown, shown(start.pose)))
     names = [roles.name_of(node) for node in lost if roles.name_of(node) not in told]
     if len(names) > 1 and with_hints:
-        notes.append('{} start at one place, (0, 0): --start NODE=X,Y,YAW sets another'.format(' and '.join(names)))
+        notes.append('{} start at one place, (0, 0){}: --start NODE=X,Y,YAW sets another'.format(
+            ' and '.join(names), unless_placed(config.nodes)))
     return notes + _commands(config, ours)
 
 
@@ -39,11 +47,37 @@ def shown(pose):
     return ','.join('{:g}'.format(value) for value in pose)
 
 
-def is_placed(config, node):
-    """Return whether a parameter or an argument gives the start of one of our robots, a roslaunch Node."""
-    name = roles.name_of(node)
-    return any('{}/{}'.format(name, key) in config.params for key in PLACED) or (
-        node.type == robots.OWN[1] and len(poses.words_of(node.args)) >= _WITH_PLACE)
+def own_place(name, node, values, starts=None):
+    """Return what the robot ``name`` is told of its start, {name in PLACED: m, m or rad}; empty: nothing.
+
+    :param node: its roslaunch Node, or None; values: {full name: value} of all parameters; starts: {name: (x, y, yaw)}
+        of the user.
+    """
+    found = {key: values['{}/{}'.format(name, key)] for key in PLACED if '{}/{}'.format(name, key) in values}
+    words = poses.words_of(node.args) if node is not None else []
+    found.update(match.groups() for match in map(_ARGUMENT.fullmatch, words) if match)
+    plain = [word for word in words if ':=' not in word]
+    if node is not None and node.type == robots.OWN[1] and len(plain) >= _WITH_PLACE:
+        found.update(zip(PLACED, plain[_WITH_PLACE - 1:_WITH_PLACE + 1]))
+    found.update(zip(PLACED, (starts or {}).get(name, ())))
+    return {key: _number(value) for key, value in found.items()}
+
+
+def unless_placed(nodes):
+    """Return ', unless NODE places them ...' if the program of a node may place robots later, otherwise ''."""
+    for node in nodes:
+        path = roles.program_of(node) if node.package != PACKAGE and roles.role_of(node).takes_part else None
+        word = next((word for word in _PLACING if path is not None and programs.mentions(path, word)), None)
+        if word:
+            return ', unless {} places them, whose program names {}'.format(roles.name_of(node), word.decode())
+    return ''
+
+
+def _number(value):
+    try:
+        return float(as_number(value))
+    except (TypeError, ValueError, OverflowError):
+        return 0.0  # the robot refuses it, with a text that says what is allowed
 
 
 def _commands(config, ours):

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .exchange.links import repetition as repetition, sender as sender
     from .participation.joining import (
         join as join,
+        leave_clock as leave_clock,
         node_is_there as node_is_there,
         participant as participant,
         take_part as take_part,

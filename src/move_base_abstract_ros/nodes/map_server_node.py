@@ -14,6 +14,7 @@ import rospkg
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapResponse
+from rosgraph_msgs.msg import Clock
 from roslib import packages
 from rospy.numpy_msg import numpy_msg
 
@@ -108,6 +109,7 @@ class MapServer:
 
     def __init__(self, frame_id, occupancy):
         participant = lockstep.join(own_threads=False) if lockstep.is_awaited(rospy.get_name()) else None
+        self._looks_on = participant is None and lockstep.is_lockstep()
         self._frame_id = frame_id
         self._lock = threading.Lock()
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
@@ -115,19 +117,21 @@ class MapServer:
         self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
         self._grid = None
         _wait_for_time()
+        if self._looks_on:  # time need not wait for a node that has only asked once what time it is
+            lockstep.leave_clock()
         make_timing().watch()
-        self.show(occupancy)
+        self.show(occupancy, rospy.Time.now())
         self._services = [rospy.Service('static_map', GetMap, self._get_map)]
         if LoadMap is not None:
             self._services.append(rospy.Service('change_map', LoadMap, self._change_map))
         if participant is not None:
             participant.serve()
 
-    def show(self, occupancy):
-        """Publish ``occupancy`` (OccupancyMap) from now on."""
+    def show(self, occupancy, now):
+        """Publish ``occupancy`` (OccupancyMap) from ``now`` (rospy.Time) on."""
         grid = numpy_msg(OccupancyGrid)()
         grid.header.frame_id = self._frame_id
-        grid.header.stamp = grid.info.map_load_time = rospy.Time.now()
+        grid.header.stamp = grid.info.map_load_time = now
         grid.info.resolution = occupancy.resolution
         grid.info.width, grid.info.height = occupancy.width, occupancy.height
         grid.info.origin = conversions.to_pose(occupancy.origin)
@@ -145,7 +149,8 @@ class MapServer:
     def _change_map(self, request):
         """Show the map of another YAML file; if that fails, the old map stays."""
         try:
-            self.show(load_map(_describe(to_path(request.map_url))))
+            occupancy = load_map(_describe(to_path(request.map_url)))
+            self.show(occupancy, rospy.wait_for_message('/clock', Clock).clock if self._looks_on else rospy.Time.now())
         except ConfigurationError as error:
             rospy.logerr('%s: change_map: %s; the map stays as it is', rospy.get_name(), error)
             return LoadMapResponse(result=LoadMapResponse.RESULT_UNDEFINED_FAILURE)

@@ -120,10 +120,15 @@ def _follow_forks(joining: Participant) -> None:
 def node_is_there(joining: Participant) -> None:
     """Finish :func:`join` when ``rospy.init_node`` has returned; this is its second half."""
     uncaught.note_lines(joining)
+    leave_clock()
+    _warn(joining)
+
+
+def leave_clock() -> None:
+    """Listen to ``/clock`` no longer: this node needs it no more, and nobody is told that time does not wait for it."""
     clock = getattr(rospy.impl.simtime, '_clock_sub', None)
     if clock is not None:
         clock.unregister()
-    _warn(joining)
 
 
 def _warn(joined: Participant) -> None:
