@@ -122,8 +122,7 @@ def world_of(tmp_path, text):
 
 
 @pytest.mark.parametrize(('text', 'expected'), [
-    ('a ( ' * 100000, 'lie within one another'), ('position ( pose [ 1 nan 0 0 ] )', 'allowed: finite numbers'),
-    ('position ( pose [ 1e999 0 0 0 ] )', 'allowed: finite numbers'), ('position ( )\n' * 1001, 'allowed: up to 1000'),
+    ('a ( ' * 100000, 'lie within one another'), ('position ( )\n' * 1001, 'allowed: up to 1000'),
     ('#' * ((1 << 22) + 1), 'allowed: up to 4194304 characters'), ('include "a.world"\n' * 2, 'files are included')])
 def test_worlds_that_nobody_could_mean_are_refused(tmp_path, text, expected):
     with pytest.raises(ValueError, match=expected):

@@ -144,6 +144,8 @@ def _of_stage(config, node):
         offset, why = _delta(config), 'by delta_* of fake_localization'
     found = []
     for number, (name, pose) in enumerate(world.robots):
+        if pose is None:
+            continue
         called = name if by_names and name else 'robot_{}'.format(number)
         is_alone = len(world.robots) == 1 and not by_names
         namespace = node.namespace if is_alone else ns_join(node.namespace, called)

@@ -1,16 +1,23 @@
-"""Read Stage's world files: the robots, their poses, and the pose of the floor plan."""
+"""Read Stage's world files as Stage does: the robots, their poses, and the pose of the floor plan.
+
+All files that a world names are looked for from the folder of the world's own file, then in those of STAGEPATH. Of
+several definitions of a name the first one counts. A number ends where C's atof ends it.
+"""
+import itertools
 import math
 import os
 import re
 from typing import NamedTuple
 
-from move_base_abstract.common.kinds import as_number
-
-_TOKEN = re.compile(r'#[^\n]*|"([^"\n]*)"|([()\[\]])|([^\s()\[\]"#]+)')
+_OF_NUMBERS = re.compile(r'[-+.0-9eE]+')
+_NUMBER = re.compile(r'[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?')
+_TOKEN = re.compile(r'#[^\n]*|"([^"\n]*)"|([()\[\]])|([A-Za-z][\w.-]*(?:\[\d+\][\w.-]*)+|[^\s()\[\]"#]+)')
 _LARGEST = 1 << 22  # characters
 _MOST_INCLUDED = 50
 _MOST_ROBOTS = 1000
 _DEEPEST = 50  # parts within parts
+_MOST_PARTS = 100000
+_LENGTHS = {'cm': 0.01, 'mm': 0.001}  # m; other words mean m
 #: Stage's own models that are not robots. Another model that no file defines may be of a file that is not here
 _BUILT_IN = ('model', 'window', 'speech_bubble', 'ranger', 'laser', 'fiducial', 'blobfinder', 'gripper', 'actuator',
              'camera', 'bumper', 'wifi', 'lightindicator', 'blinkenlight', 'block', 'sensor', 'loadcell', 'indicator')
@@ -25,7 +32,8 @@ class Unknown(Exception):
 class World(NamedTuple):
     """The content of a world file.
 
-    ``robots``: ((name, (x, y, yaw)), ...) [m, m, rad], in Stage's world, in the order in which stage_ros numbers them.
+    ``robots``: ((name, (x, y, yaw)), ...) [m, m, rad], in Stage's world, in the order in which stage_ros numbers them;
+    None in the place of a pose that no numbers give.
     ``floor``: the Floor of the floor plan, or None.
     """
 
@@ -45,26 +53,87 @@ class Floor(NamedTuple):
 
 
 class _Model:
+    """A model as it is written: the name on which it is based, {key: words}, and the models within it."""
+
     def __init__(self, base):
         self.base = base
         self.values = {}
-        self.folder = ''
+        self.parts = []
 
 
 def read(path):
     """Return the World of a world file. :raises OSError, ValueError: if it cannot be read."""
-    defined, models = {}, []
-    _parse(path, defined, models, [0])
-    robots, floor = [], None
-    for model in models:
-        kind, values, folder = _resolved(model, defined)
-        if kind == 'position' or kind not in _BUILT_IN and 'pose' in values and 'bitmap' not in values:
-            robots.append((_first(values, 'name'), _pose(values)))
-        elif floor is None and values.get('bitmap') and 'size' in values:
-            floor = _floor(values, folder)
+    words = _words(path, os.path.dirname(os.path.abspath(path)), [0])
+    world, defined, at = _Model(''), {}, 0
+    while at < len(words):
+        if words[at].group() == 'define' and at + 3 < len(words):
+            model, after = _model(words, at + 2)
+            defined.setdefault(_text(words[at + 1]), model)
+            at = after
+        else:
+            at = _entry(world, words, at, 0)
+    stage = _Stage(defined, world.values)
+    robots = tuple(itertools.islice((robot for model in world.parts for robot in stage.robots(model)),
+                                    _MOST_ROBOTS + 1))
     if len(robots) > _MOST_ROBOTS:
-        raise ValueError('{}: got {} robots; allowed: up to {}'.format(path, len(robots), _MOST_ROBOTS))
-    return World(tuple(robots), floor)
+        raise ValueError('{}: got more than {} robots; allowed: up to {}'.format(path, _MOST_ROBOTS, _MOST_ROBOTS))
+    return World(robots, stage.floor(world.parts, os.path.dirname(os.path.abspath(path))))
+
+
+class _Stage:
+    """What Stage makes of the models of a world. ``defined``: {name: _Model}; ``values``: those of the world itself."""
+
+    def __init__(self, defined, values):
+        self._defined = defined
+        self._metre = _LENGTHS.get(_first(values, 'unit_length'), 1.0)
+        self._radians = float if _first(values, 'unit_angle') == 'radians' else math.radians
+        self._left = _MOST_PARTS
+
+    def robots(self, model, around=(0.0, 0.0, 0.0), depth=0):
+        """Yield (name, pose) of a model that is a robot and of the robots within it. ``around``: the pose around it."""
+        self._left -= 1
+        if depth > _DEEPEST or not self._left:
+            raise ValueError('parts lie within one another more than {} times, or are more than {}'.format(
+                _DEEPEST, _MOST_PARTS))
+        kind, values, parts = self._resolved(model)
+        pose = around and self._pose(values)
+        if pose:
+            x, y = turned(*pose[:2], around[2])
+            pose = around[0] + x, around[1] + y, around[2] + pose[2]
+        if kind == 'position' or not depth and kind not in _BUILT_IN and 'pose' in values and 'bitmap' not in values:
+            yield _first(values, 'name'), pose
+        for part in parts:
+            yield from self.robots(part, pose, depth + 1)
+
+    def floor(self, models, folder):
+        """Return the Floor of the first model with an image and a size, or None."""
+        for kind, values, _parts in map(self._resolved, models):
+            if kind != 'position' and values.get('bitmap') and 'size' in values:
+                pose, inner, size = self._pose(values), self._pose(values, 'origin'), self._pose(values, 'size')
+                if pose and inner and size:
+                    # Stage's ``origin`` is the position of the model's centre, as seen from its pose
+                    x, y = turned(*inner[:2], pose[2])
+                    return Floor(pose[0] + x, pose[1] + y, pose[2] + inner[2], *size[:2],
+                                 os.path.join(folder, values['bitmap'][0]))
+        return None
+
+    def _resolved(self, model):
+        """Return (Stage's own model on which a model is based, its values, its parts)."""
+        chain = [model]
+        while self._defined.get(chain[-1].base, model) not in chain:
+            chain.append(self._defined[chain[-1].base])
+        values, parts = {}, []
+        for one in reversed(chain):
+            values.update(one.values)
+            parts += one.parts
+        return chain[-1].base, values, parts
+
+    def _pose(self, values, key='pose'):
+        """Return (x [m], y [m], yaw [rad]), or None. The yaw is the last of three or four numbers."""
+        words = values.get(key, [])
+        words = [*words[:2], '0', words[2]] if len(words) == 3 else [*words, *'0000'][:4]
+        pose = self._metre * _number(words[0]), self._metre * _number(words[1]), self._radians(_number(words[3]))
+        return pose if all(map(math.isfinite, pose)) else None
 
 
 def turned(x, y, yaw):
@@ -77,37 +146,25 @@ def turned(x, y, yaw):
     return cosine * x - sine * y, sine * x + cosine * y
 
 
-def _floor(values, folder):
-    """Return the Floor of a model. Stage's ``origin`` is the position of the model's centre, as seen from its pose."""
-    x, y, yaw = _pose(values)
-    in_x, in_y, turn = _pose({'pose': values.get('origin', [])})
-    in_x, in_y = turned(in_x, in_y, yaw)
-    width, height = (*_numbers(values['size']), 0.0, 0.0)[:2]
-    return Floor(x + in_x, y + in_y, yaw + turn, width, height, os.path.join(folder, values['bitmap'][0]))
-
-
-def _parse(path, defined, models, count):
+def _words(path, folder, count):
+    """Return the matches of _TOKEN in a file, with those of the files that it includes in the place of their names."""
     count[0] += 1
     if count[0] > _MOST_INCLUDED:
         raise ValueError('{}: more than {} files are included'.format(path, _MOST_INCLUDED))
-    words = [found for found in _TOKEN.finditer(_text_of(path)) if not found.group().startswith('#')]
-    folder, at = os.path.dirname(os.path.abspath(path)), 0
-    while at < len(words):
-        word = words[at].group()
-        after = _text(words[at + 1]) if at + 1 < len(words) else ''
-        if word == 'include':
-            included = os.path.join(folder, after)
-            if os.path.isfile(included):
-                _parse(included, defined, models, count)
-            at += 2
-        elif word == 'define' and at + 3 < len(words):
-            model, at = _model(words, at + 2, folder)
-            defined[after] = model
-        elif after == '(':
-            model, at = _model(words, at, folder)
-            models.append(model)
+    found = []
+    for one in _TOKEN.finditer(_text_of(path)):
+        if one.group().startswith('#'):
+            continue
+        if found and found[-1].group() == 'include':
+            del found[-1]
+            others = filter(None, os.environ.get('STAGEPATH', '').split(':'))
+            names = [os.path.join(folder, _text(one)),
+                     *(os.path.join(other, os.path.basename(_text(one))) for other in others)]
+            included = next(filter(os.path.isfile, names), None)
+            found += _words(included, folder, count) if included else []
         else:
-            at += 1
+            found.append(one)
+    return found
 
 
 def _text_of(path):
@@ -120,60 +177,44 @@ def _text_of(path):
     return text
 
 
-def _model(words, at, folder, depth=0):
+def _model(words, at, depth=0):
     """Return (the model that begins at the word number ``at``, the number of the word after it)."""
     if depth > _DEEPEST:
         raise ValueError('parts lie within one another more than {} times'.format(_DEEPEST))
     model = _Model(words[at].group())
-    model.folder = folder
     at += 2
     while at < len(words) and words[at].group() != ')':
-        key = words[at].group()
-        following = words[at + 1].group() if at + 1 < len(words) else ''
-        if following == '(':
-            _child, at = _model(words, at, folder, depth + 1)  # a part of it: a ranger, a gripper
-        elif following == '[':
-            end = next((k for k in range(at, len(words)) if words[k].group() == ']'), len(words))
-            model.values[key] = [_text(one) for one in words[at + 2:end]]
-            at = end + 1
-        else:
-            model.values[key] = [_text(words[at + 1])] if following else []
-            at += 2
+        at = _entry(model, words, at, depth)
     return model, at + 1
+
+
+def _entry(model, words, at, depth):
+    """Add the part or the value that begins at the word number ``at`` to a model; return the number after it."""
+    key = words[at].group()
+    following = words[at + 1].group() if at + 1 < len(words) else ''
+    if following == '(':
+        part, at = _model(words, at, depth + 1)
+        model.parts.append(part)
+        return at
+    if following == '[':
+        end = next((k for k in range(at, len(words)) if words[k].group() == ']'), len(words))
+        model.values[key] = [_text(one) for one in words[at + 2:end]]
+        return end + 1
+    model.values[key] = [_text(words[at + 1])] if following else []
+    return at + 2
 
 
 def _text(found):
     return found.group() if found.group(1) is None else found.group(1)
 
 
-def _resolved(model, defined):
-    """Return (the model of Stage on which a model is based, its values, the folder of its image)."""
-    chain = [model]
-    while chain[-1].base in defined and defined[chain[-1].base] not in chain:
-        chain.append(defined[chain[-1].base])
-    values, folder = {}, model.folder
-    for one in reversed(chain):
-        values.update(one.values)
-        folder = one.folder if 'bitmap' in one.values else folder
-    return chain[-1].base, values, folder
-
-
-def _pose(values):
-    """Return (x [m], y [m], yaw [rad]). Stage gives the yaw in degrees, as the last of three or four numbers."""
-    found = _numbers(values.get('pose', []))
-    found = [*found, *[0.0] * (4 - len(found))] if len(found) != 3 else [*found[:2], 0.0, found[2]]
-    return found[0], found[1], math.radians(found[3])
-
-
 def _first(values, key):
     return next(iter(values.get(key, [])), '')
 
 
-def _numbers(words):
-    try:
-        found = [as_number(word) for word in words]
-    except ValueError:
-        found = [math.nan]
-    if not all(map(math.isfinite, found)):
-        raise ValueError('got {}; allowed: finite numbers'.format(' '.join(words)))
-    return found
+def _number(word):
+    """Return the number with which a word of digits begins, as C's atof does; nan for words that are no number."""
+    if not _OF_NUMBERS.fullmatch(word):
+        return math.nan
+    found = _NUMBER.match(word)
+    return float(found.group()) if found else 0.0
