@@ -11,7 +11,10 @@ import time
 from typing import Any, Iterable, List, Optional
 
 from move_base_abstract.common import guard, processes, temporary
+from move_base_abstract.common.shown import pasted
 from move_base_abstract.runs import event_log
+
+from . import failing
 
 WALL_LIMIT_S = 120.0
 _GRACE_S = 1.0  # wall, from the fork's reports to its end
@@ -31,7 +34,7 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
     if _is_good(reports) and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
         again = _run(item, os.path.join(folder, 'run_2'), wall_limit)
         problem = '' if _is_good(again) else 'the second run of the test fails:\n{}'.format(
-            '\n'.join(str(one.longrepr) for one in again if one.failed))
+            '\n'.join('\n'.join([str(one.longrepr), *_why(one)]) for one in again if one.failed))
         problem = problem or _difference(*(os.path.join(folder, name, 'events.jsonl') for name in ('run_1', 'run_2')))
         for report in reports:
             if problem and report.when == _CALL:
@@ -42,8 +45,20 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
         temporary.keep(folder)
         for report in reports:
             if report.failed:
-                report.sections.append(('lockstep', 'event log and output of the nodes: {}'.format(folder)))
+                report.sections.append(('lockstep', '\n'.join(_next(item, folder))))
     return reports
+
+
+def _why(report: Any) -> List[str]:
+    return [text for title, text in report.sections if title == failing.TITLE]
+
+
+def _next(item: Any, folder: str) -> List[str]:
+    """Return what the user of a test that has failed can look at, and type next."""
+    replay = os.path.join(folder, 'run_1', failing.REPLAY)
+    by_chaos = ['or, and compare it: rosrun move_base_abstract chaos --replay ' + pasted(replay)]
+    return ['event log and output of the nodes: {}'.format(folder), 'run it again: ' + failing.again(item),
+            *(by_chaos if os.path.exists(replay) else [])]
 
 
 def _is_good(reports: Iterable[Any]) -> bool:
@@ -68,6 +83,8 @@ def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
             guard.stand('pytest')
             signal.signal(signal.SIGTERM, _end_at_once)  # pytest would take an exit for a failure of the test
             found = _runner(item).runtestprotocol(item, log=False, nextitem=None)
+            if hasattr(item, 'lockstep_system'):
+                failing.tell(item, item.lockstep_system, found)
             told = [item.config.hook.pytest_report_to_serializable(config=item.config, report=one) for one in found]
             with os.fdopen(write, 'w') as stream:
                 json.dump(told, stream, default=str)

@@ -17,10 +17,12 @@ from move_base_abstract.common.options import parameters_of
 from move_base_abstract.config.settings import read_settings
 from move_base_abstract.radio import network
 from move_base_abstract.runs import ends
-from move_base_abstract_ros.launching import adoption, look_ups, plan
+from move_base_abstract_ros.launching import adoption, look_ups, plan, roles
 from move_base_abstract_ros.launching.outputs import Files
 from move_base_abstract_ros.launching.run import Patience, Run, enter
+from move_base_abstract_ros.loopback import PACKAGE
 
+from .failing import DECISIONS
 from .settings import DEPARTURE, Settings
 
 TEST = '/test'  # the name of the test's own node
@@ -40,7 +42,10 @@ class System:
         self._folder, self._settings = folder, settings
         self._ends: List[ends.End] = []
         enter(folder, folder)
-        self._run = Run(self._plan(), self.log, Files(folder), Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folder)
+        made = self._plan()
+        #: the names of the nodes whose programs are not of this package
+        self.nodes_of_user = [roles.name_of(node) for node in made.config.nodes if node.package != PACKAGE]
+        self._run = Run(made, self.log, Files(folder), Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folder)
         self._run.start()
 
     def _plan(self) -> Any:
@@ -55,10 +60,11 @@ class System:
             named = plan.TIME_MASTER + '/participants'
             others = config.params[named].value if named in config.params else ()
             config.params[named] = Param(named, [*others, TEST])
+            decisions = {'chaos_decisions': os.path.join(self._folder, DECISIONS)} if settings.chaos_seed else {}
             end = {'end_with': [TEST]} if settings.until == DEPARTURE else settings.end
             options = plan.launch_options(settings, {
                 **network.resolve(parameters_of(settings), settings.folder), 'event_log': self.log,
-                'log_messages': settings.log_messages, **end, **settings.time_master}, no_respawn=True)
+                'log_messages': settings.log_messages, **end, **decisions, **settings.time_master}, no_respawn=True)
             if settings.adopt:
                 options = adoption.adopted(config, options, read_settings)
             return plan.plan_of(config, options)

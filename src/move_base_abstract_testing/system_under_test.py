@@ -12,8 +12,10 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from move_base_abstract.common import processes
 from move_base_abstract.common.arguments import as_float, check_kind
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.properties import Broken, Judgement, Run, judgement_on
 from move_base_abstract.runs import event_log
+from move_base_abstract.runs.ends import End
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.replacing import rospy_start
 
@@ -119,6 +121,10 @@ class Lockstep:
         self._allowed: List[str] = []
         self._over: Optional[Run] = None
         self._judged: Optional[Judgement] = None
+        #: the properties that are broken and not allowed, when the run is over
+        self.told_broken: List[Broken] = []
+        #: {file in the folder: its size [bytes] when the test was over, before the run's end adds lines}
+        self.sizes: Dict[str, int] = {}
 
     def start(self, **given: Any) -> None:
         """Start the system. The keywords are the fields of Settings.
@@ -211,6 +217,8 @@ class Lockstep:
         if self._system is None:
             return []
         if self._judged is None:
+            with os.scandir(self.folder) as files:
+                self.sizes = {one.name: one.stat().st_size for one in files}
             if self._joined is not None:
                 self._joined.leave('the test is over')
             begin, found = time.monotonic(), self._system.end()
@@ -225,6 +233,27 @@ class Lockstep:
         if found and self._over is not None and self._allowed:  # what was told once may break another property, too
             found = list(judgement_on(self._over._replace(allowed=self._allowed)).broken)
         return [one for one in found if one.text not in self._allowed]
+
+    @property
+    def has_run(self) -> bool:
+        """Whether a run was started, and is over."""
+        return self._over is not None
+
+    @property
+    def ends(self) -> List[End]:
+        """How the processes of the run that is over ended."""
+        return list(self._over.processes) if self._over is not None else []
+
+    @property
+    def options(self) -> RunOptions:
+        """The options of the run that was started."""
+        found: RunOptions = self._settings
+        return found
+
+    @property
+    def nodes_of_user(self) -> List[str]:
+        """The names of the nodes whose programs are not of this package."""
+        return self._system.nodes_of_user if self._system is not None else []
 
     def never_held(self) -> List[Tuple[str, str]]:
         """End the run, and return (node, text) of each ``sometimes`` that has not held in it."""

@@ -1,12 +1,15 @@
 """The plugin for pytest, as users have it: tests that pass, tests that must fail, and the tests of the examples."""
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
+
+from move_base_abstract_ros.loopback import find_executable
 
 ROOT = Path(__file__).resolve().parents[2]
 GUARD = 300.0  # s, wall; only ends a program that would never end
@@ -18,6 +21,31 @@ LAUNCH = """<launch>
         args="--own move_base_abstract_ros.nodes.message_recorder_node"/>
 </launch>
 """
+NODES = {'study/package.xml': '<package><name>study</name></package>', 'study/late.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import String
+rospy.init_node('late')
+seen = {}
+def two(message):
+    if 'one' not in seen:
+        raise KeyError('%s came before one' % message.data)
+rospy.Subscriber('/one', String, lambda message: seen.update(one=message))
+rospy.Subscriber('/two', String, two)
+rospy.sleep(4.0)
+for number in range(9):
+    print('goes on', number)
+rospy.spin()
+""", 'study/says.py': """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import String
+rospy.init_node('says')
+one, two = (rospy.Publisher(name, String, queue_size=5) for name in ('/one', '/two'))
+rospy.sleep(1.0)
+one.publish('1')
+rospy.sleep(0.05)
+two.publish('2')
+rospy.spin()
+"""}
 TESTS = """
 import os
 import time
@@ -71,6 +99,23 @@ def test_what_is_broken_fails(lockstep):
     always(False, 'no is yes', number=7)
 
 
+@pytest.mark.xfail
+@two
+def test_what_is_expected_to_break_is_no_failure(lockstep):
+    always(False, 'no is yes')
+
+
+@pytest.mark.lockstep(nodes=['study/late.py', 'study/says.py'], chaos_seeds=[2], chaos_delay=0.2)
+def test_late(lockstep):
+    lockstep.run_for(10.0)
+
+
+@pytest.mark.lockstep(nodes=['study/late.py'])
+def test_what_a_user_s_node_says_last_is_shown(lockstep):
+    lockstep.run_for(10.0)
+    assert lockstep.time < 0
+
+
 @two
 def test_what_differs_fails(lockstep):
     lockstep.run_for(1.0 + int.from_bytes(os.urandom(4), 'big') * 1e-9)
@@ -118,6 +163,8 @@ def test_without_the_fixture_nothing_is_different():
 """
 FAILS = {
     'test_what_is_broken_fails': 'always: at 3.000000000 s, /test: no is yes (number=7)',
+    'test_late[chaos_2]': 'no_exception: at 2.101057043 s, /late: KeyError in a callback of /two, late.py, line 8',
+    'test_what_a_user_s_node_says_last_is_shown': 'assert 11.0 < 0',
     'test_what_differs_fails': 'a second run is different:',
     'test_what_never_comes_fails': 'the impossible is not true 100 s later, at 101.000000000 s',
     'test_who_is_not_there_is_named': "there is no robot 'robot_7': no node serves /robot_7/move_base",
@@ -128,12 +175,18 @@ FAILS = {
     'test_a_test_that_hangs_is_ended': 'the test was not over after 3 s of wall time (wall_limit)'}
 
 
+def environment(folder):
+    """Return the environment of programs that find the packages in a folder, and no ROS master."""
+    return dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:1/',
+                ROS_PACKAGE_PATH=os.pathsep.join([str(folder), os.environ['ROS_PACKAGE_PATH']]))
+
+
 def results_of(folder, *words):
     """Run pytest with the plugin in a folder; return ({test: its problem, or ''}, output of pytest)."""
     done = subprocess.run(  # noqa: PLW1510 - some tests must fail
         [sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', '-p', 'move_base_abstract_testing', '--junitxml',
          'results.xml', *words], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-        timeout=GUARD, env=dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:1/'))
+        timeout=GUARD, env=environment(folder))
     assert os.path.exists(folder / 'results.xml'), done.stdout
     cases = ElementTree.parse(folder / 'results.xml').iter('testcase')
     told = {}
@@ -146,20 +199,58 @@ def results_of(folder, *words):
 @pytest.fixture(scope='module')
 def session(tmp_path_factory):
     folder = tmp_path_factory.mktemp('session')
-    for name, text in (('two.yaml', SCENARIO), ('bad.launch', LAUNCH), ('test_of_a_user.py', TESTS)):
+    (folder / 'study').mkdir()
+    for name, text in (('two.yaml', SCENARIO), ('bad.launch', LAUNCH), ('test_of_a_user.py', TESTS), *NODES.items()):
         (folder / name).write_text(text)
-    return results_of(folder)
+        (folder / name).chmod(0o755)
+    return (*results_of(folder), folder)
 
 
 def test_tests_that_are_right_pass(session):
-    told, said = session
+    told, said, _ = session
     right = {name: problem for name, problem in told.items() if name not in FAILS}
-    assert len(right) == 5 and set(right.values()) == {''}, said
+    assert len(right) == 6 and set(right.values()) == {''}, said
 
 
 @pytest.mark.parametrize('name', FAILS)
 def test_tests_that_are_wrong_say_why(session, name):
     assert FAILS[name] in session[0][name], session[1]
+
+
+def test_a_broken_property_fails_the_test_and_is_no_error_after_it(session):
+    said = session[1]
+    assert 'ERROR at teardown' not in said
+    assert 'FAILED test_of_a_user.py::test_what_is_broken_fails' in said and ' 1 xfailed' in said
+    assert ('run it again: python3 -m pytest -p move_base_abstract_testing '
+            'test_of_a_user.py::test_what_is_broken_fails\n') in said
+
+
+def test_why_a_test_failed_is_what_nodes_raised_and_said_last_and_what_was_late(session):
+    said = session[1]
+    assert re.search(r"""
+/late crashed at 2.101057043 s: KeyError in a callback of /two, late.py, line 8
+    KeyError: '2 came before one'
+(    goes on [345678]\n){6}the chaos of seed 2 made 2 decisions before that:
+    /says's message on /one was under way to /late for 0.130486982 s, at 2 s
+    /says's message on /two was under way to /late for 0.051057043 s, at 2.05 s
+""", said), said
+    assert re.search(r'/late printed last:\n(    goes on [345678]\n){6}-', said), said
+
+
+def test_the_file_of_a_test_runs_it_again(session):
+    said, folder = session[1:]
+    path = re.search(r'chaos --replay (\S+/run_1/chaos\.json)\n', said).group(1)
+
+    def replayed():
+        done = subprocess.run([find_executable('chaos'), '--replay', path], cwd='/', check=False, timeout=GUARD,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment(folder))
+        return done.returncode, done.stdout
+    code, again = replayed()
+    assert (code, 'chaos: the same bytes as before\n' in again) == (1, True), again
+    assert 'chaos: failed: no_exception: at 2.101057043 s, /late: KeyError' in again
+    (folder / 'study/late.py').write_text(NODES['study/late.py'].replace('raise KeyError', 'print'))
+    code, again = replayed()
+    assert (code, 'chaos: it does not fail any more: no_exception: at 2.1' in again) == (3, True), again
 
 
 @pytest.mark.parametrize('name, count', [

@@ -6,8 +6,9 @@ import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.options import words_of
+from move_base_abstract.lockstep import replay_file
 from move_base_abstract.properties import Gathering
-from move_base_abstract_experiments.chaos import command, failures, replay_file, runs
+from move_base_abstract_experiments.chaos import command, failures, runs
 from move_base_abstract_experiments.records import COMPLETE, Result
 
 NAMES = [f'{number:012x}' for number in range(40)]
@@ -127,7 +128,8 @@ def made(**others):
 
 def test_a_replay_is_read_as_it_was_written(tmp_path):
     path = str(tmp_path / 'chaos.json')
-    for one in (made(), made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
+    for one in (made(), made(launch=[], only=[], test=['/a', '/a/b.py::c[chaos_7]']),
+                made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
         replay_file.write(path, one)  # in the place of the one before
         assert replay_file.read(path) == one
     assert words_of(made().run) == ['--chaos-seed', '7', '--chaos-delay', '0.05', '--chaos-only', NAMES[1],
@@ -148,6 +150,7 @@ def test_a_replay_of_an_earlier_release_ends_where_it_ended(tmp_path):
 @pytest.mark.parametrize(('change', 'says'), [
     ({'chaos': 3}, 'format 2'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
     ({'launch': []}, 'launch must name'), ({'happened': [1]}, 'list of texts'),
+    ({'test': ['/a']}, 'test must be a folder and'), ({'test': 'a'}, 'test must be a list of texts'),
     ({'document': {'param': 3}}, 'param: got 3')])
 def test_a_file_that_is_none_is_refused(tmp_path, change, says):
     path = tmp_path / 'chaos.json'

@@ -3,6 +3,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import subprocess
+import sys
+import tempfile
 import time
 from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
@@ -11,13 +14,14 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import list_of, number, similar, text
 from move_base_abstract.common.options import given, of_arguments, option, word_of, words_of
 from move_base_abstract.common.shown import pasted, shown
+from move_base_abstract.lockstep import replay_file
+from move_base_abstract.lockstep.replay_file import Replay
 from move_base_abstract.lockstep.run_options import LARGEST_CHAOS_SEED, RunOptions
 from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
 
 from .. import ending
-from . import failures, replay_file
-from .replay_file import Replay
+from . import failures
 from .runs import RunRequest, RunResult, Runs, document_of
 
 GOOD, FAILED, OTHER = 0, 1, 3
@@ -175,6 +179,8 @@ def _said(decision: Dict[str, Any]) -> str:
 
 def _replay(options: argparse.Namespace) -> int:
     made = replay_file.read(options.replay)
+    if made.test:
+        return _replay_test(made)
     path, *arguments = made.launch
     if any(':=' not in word for word in arguments):
         raise ConfigurationError(f'{options.replay}: launch must be a file, then ARG:=VALUE')
@@ -183,11 +189,35 @@ def _replay(options: argparse.Namespace) -> int:
         told = runs.one(RunRequest(made.seed, tuple(made.only)))
     for line in made.happened:
         _say('  ' + line)
-    if told.failure is None:
+    return _compared(made, None if told.failure is None else told.failure.text, told.digest)
+
+
+def _replay_test(made: Replay) -> int:
+    """Run a test of pytest again, and compare its failure; return the exit code."""
+    folder, name = made.test
+    with tempfile.TemporaryDirectory() as own:
+        path = os.path.join(own, 'chaos.json')
+        try:
+            code = subprocess.run(
+                [sys.executable, '-m', 'pytest', '-p', 'move_base_abstract_testing', name], cwd=folder, check=False,
+                env={**os.environ, replay_file.VARIABLE: path}).returncode
+        except OSError as error:
+            raise ConfigurationError(f'test: {folder}: {error.strerror}') from None
+        again = replay_file.read(path) if os.path.exists(path) else None
+    for line in made.happened:
+        _say('  ' + line)
+    if code and again is None:
+        raise ConfigurationError(f'the test {name} did not run to its end: pytest ended with exit code {code}')
+    return _compared(made, None if again is None else again.text, again.sha256 if again is not None else '')
+
+
+def _compared(made: Replay, failure: Optional[str], digest: str) -> int:
+    """Say how a run that was made again has ended; return the exit code. ``failure``: its text, or None."""
+    if failure is None:
         _say(f'it does not fail any more: {made.text}')
         return OTHER
-    _say(f'failed: {told.failure.text}')
-    _say('the same bytes as before' if told.digest == made.sha256 else
+    _say(f'failed: {failure}')
+    _say('the same bytes as before' if digest == made.sha256 else
          'not the same bytes as before: the programs, or what they read, have changed since')
     return FAILED
 

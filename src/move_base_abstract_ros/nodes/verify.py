@@ -137,12 +137,15 @@ def _parse(words):
 
 def _read_chaos(parser, options):
     """Take the run from a file of `chaos`, which holds all of it."""
-    from move_base_abstract_experiments.chaos import replay_file
+    from move_base_abstract.lockstep import replay_file
     besides = words_of(options.run) + options.command
     if besides:
         parser.error('--chaos: the file says what is run; got {} besides'.format(shown(' '.join(besides))))
     try:
         made = replay_file.read(options.chaos)
+        if made.test:
+            parser.error('--chaos: {} is of a test, which runs alone: {}'.format(
+                options.chaos, command_line.typed('chaos', ['--replay', options.chaos])))
         options.run, options.command = made.run, list(made.launch)
     except SimulatorError as error:
         parser.error(str(error))

@@ -1,4 +1,4 @@
-"""The file that runs a failure again: the launch file, the seed, the decisions, and the failure."""
+"""The file that runs a failure again: the launch file or the test, the seed, the decisions, and the failure."""
 from __future__ import annotations
 
 import json
@@ -6,14 +6,16 @@ import re
 from dataclasses import dataclass, field
 from typing import Any, Dict, List
 
-from move_base_abstract.common import options
-from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.json_files import load_json_mapping
-from move_base_abstract.common.own_files import check_file, whole_file
-from move_base_abstract.common.shown import shown
-from move_base_abstract.lockstep.run_options import ALLOW, RunOptions
+from ..common import options
+from ..common.errors import ConfigurationError
+from ..common.json_files import load_json_mapping
+from ..common.own_files import check_file, whole_file
+from ..common.shown import shown
+from .run_options import ALLOW, RunOptions
 
 FORMAT = 2
+#: the environment variable with the path of this file for a test that is run again
+VARIABLE = 'MOVE_BASE_ABSTRACT_REPLAY'
 _DURATIONS = 1  # the format in which `until` is a time from the start, at 1 s
 _NAME = re.compile('[0-9a-f]{12}')
 
@@ -22,7 +24,7 @@ _NAME = re.compile('[0-9a-f]{12}')
 class Replay:
     """One failing run."""
 
-    launch: List[str]  # a path, then ARG:=VALUE words
+    launch: List[str]  # a path, then ARG:=VALUE words; of a test: []
     seed: int  # of chaos; 0: the stated order
     delay: float  # the largest delay of messages [s, simulated]
     only: List[str]  # the names of the decisions
@@ -31,6 +33,7 @@ class Replay:
     document: Dict[str, Any] = field(default_factory=dict)  # other options of the run, as keys of a file
     happened: List[str] = field(default_factory=list)  # the decisions in words
     sha256: str = ''  # the digest of the event log
+    test: List[str] = field(default_factory=list)  # the folder in which pytest was started, and the test's id
 
     @property
     def run(self) -> RunOptions:
@@ -69,12 +72,15 @@ def read(path: str) -> Replay:
     for key, kind in fields.items():
         if not isinstance(content.get(key), kind) or isinstance(content[key], bool):
             raise ConfigurationError(f'{path}: {key} must be as `chaos` writes it; got {shown(content.get(key))}')
-    for key in ('launch', 'only', 'happened'):
-        if not all(isinstance(one, str) for one in content[key]):
-            raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(content[key])}')
-    if not content['launch'] or not all(map(_NAME.fullmatch, content['only'])):
+    test = content.get('test', [])  # files of earlier releases have none
+    for key, value in (*((key, content[key]) for key in ('launch', 'only', 'happened')), ('test', test)):
+        if not (isinstance(value, list) and all(isinstance(one, str) for one in value)):
+            raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(value)}')
+    if test and len(test) != 2:
+        raise ConfigurationError(f'{path}: test must be a folder and the id of a test; got {shown(test)}')
+    if not (content['launch'] or test) or not all(map(_NAME.fullmatch, content['only'])):
         raise ConfigurationError(f'{path}: launch must name a file, and only must be names of decisions')
-    found = Replay(**{key: content[key] for key in fields})
+    found = Replay(**{key: content[key] for key in fields}, test=test)
     if content['chaos'] == _DURATIONS and 'until' in found.document:
         found.document['until'] += 1.0
     assert found.run  # checks the options
