@@ -115,6 +115,24 @@ class RestlessTest(unittest.TestCase):
         self.assertIn('restless.py, line 19, went round 10,000,000 times without a wait', label)
 
 
+class OutsideTest(OwnFolder, unittest.TestCase):
+    """Threads that wait for somebody outside: in a pipe, standard input, a FIFO, accept, a queue, and for a signal."""
+
+    def test_who_waits_for_somebody_outside_holds_up_nobody_and_takes_turns_again_when_it_is_told(self):
+        os.mkfifo(self.path('fifo'))
+        run = run_programs({'waits': ['waits_outside.py', self.path('fifo')]}, until=4.0)
+        printed = run.printed('waits')
+        self.assertEqual([line for line in printed if line[0].isdigit()],
+                         ['%.9f' % second for second in range(2, 5)])
+        self.assertEqual([line for line in printed if not line[0].isdigit()],
+                         ['locked', 'told True, slept for 0.500000000', 'heard'])
+        labels = ' '.join(run.state.not_repeatable_because)
+        for call in ('assert os.read(reader, 1)', 'self._target(*self._args, **self._kwargs)',
+                     'open(sys.argv[1]).read()', 'signal.pause()'):
+            self.assertIn(call, labels)
+        self.assertIn('waits for somebody outside for longer than 0.2 s of the wall clock', labels)
+
+
 class TextsTest(unittest.TestCase):
     """Code that a program compiles, or loads from a file, itself."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from threading import TIMEOUT_MAX, get_ident
-from typing import TYPE_CHECKING, Any, Callable, Deque, Optional
+from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Optional
 
 from ..common.units import seconds_to_ns
 from . import open_waits
@@ -26,6 +26,7 @@ class _NoScheduler:
 
     turn_ident = 0
     is_closed = True
+    beside: Dict[int, object] = {}
 
     @staticmethod
     def is_mine() -> bool:
@@ -67,6 +68,8 @@ class CooperativeLock:
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Acquire as threading.Lock does; in application threads the time-out is in simulated time."""
+        if Process.scheduler.beside:
+            Process.scheduler.comes_back()
         if self._lock.acquire(False):
             self._is_applications = Process.scheduler.turn_ident == get_ident()
             return True
@@ -157,6 +160,8 @@ class CooperativeRLock:
             self._count += 1
             return True
         block = self._block
+        if Process.scheduler.beside:
+            Process.scheduler.comes_back()
         if block._lock.acquire(False):  # as block.acquire begins, but faster: rospy takes these locks all the time
             block._is_applications = Process.scheduler.turn_ident == me
         elif not block.acquire(blocking, timeout):

@@ -21,6 +21,7 @@ from collections import deque
 from threading import get_ident
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
+from .beside import Beside
 from .loops import Looking, holds
 from .open_waits import OWED
 from .task import Task, TurnLost, _make_lock, is_current, release
@@ -29,7 +30,7 @@ from .wire import NEVER
 _Thread_start = threading.Thread.start
 
 
-class Scheduler(Looking):
+class Scheduler(Looking, Beside):
     """Gives the turn to the threads of the process, one after another."""
 
     #: for all schedulers of the process: called in each application thread, with True when it begins, False at its end
@@ -44,6 +45,7 @@ class Scheduler(Looking):
         self._goes_on_to: Any = None
         self.is_closed = False
         self.turn_ident = 0
+        self.beside = {}
         self._tasks: Dict[int, Task] = {}
         self._ready: Deque[Task] = deque()
         self._mail: Deque[Any] = deque()
@@ -66,8 +68,8 @@ class Scheduler(Looking):
     # --- threads and their tasks ------------------------------------------------------------------------------------
 
     def is_mine(self) -> bool:
-        """Return whether the calling thread has the turn."""
-        return self.turn_ident == get_ident() and not self.is_closed
+        """Return whether the calling thread has the turn; a thread that was let go waits for it first."""
+        return (self.turn_ident == get_ident() or bool(self.beside) and self.comes_back()) and not self.is_closed
 
     def adopt_caller(self, name: str) -> None:
         """Make the calling thread the first one of the application, with the turn."""
@@ -102,6 +104,7 @@ class Scheduler(Looking):
 
     def finish(self) -> None:
         """Pass the turn on; an application thread calls this last."""
+        self.comes_back()
         task = self._tasks.pop(get_ident(), None)
         if task is None:
             return
@@ -169,7 +172,7 @@ class Scheduler(Looking):
     def acts(self) -> bool:
         """Note that the calling thread does something that others may see; return whether it has the turn."""
         ident = get_ident()
-        if self.turn_ident != ident or self.is_closed:
+        if self.turn_ident != ident and not (self.beside and self.comes_back()) or self.is_closed:
             return False
         task = self._tasks[ident]
         task.looks = task.turns = task.idle_turns = task.is_looking = 0

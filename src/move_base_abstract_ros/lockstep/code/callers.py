@@ -59,6 +59,12 @@ def asks_for_program(filename: str) -> bool:
     return name not in ('', *_MACHINES) if is_stdlib else name not in _ROS
 
 
+def is_of_python(filename: str) -> bool:
+    """Return whether code is in Python's library."""
+    name, is_stdlib = _place(filename)
+    return is_stdlib and name != ''
+
+
 def is_of_library(filename: str) -> bool:
     """Return whether code sees the run's clocks, and is not Python's own."""
     return is_of_program(filename) and not _place(filename)[1]

@@ -1,4 +1,8 @@
-"""If a participant works on one grant for long, it tells the time master where: the stack of the turn's thread."""
+"""A look, by the wall clock, at a participant that works on one grant for long.
+
+It tells the time master where it works: the stack of the turn's thread. If the thread waits for somebody outside of the
+process, others go on beside it (:mod:`.outside`).
+"""
 from __future__ import annotations
 
 import os
@@ -11,12 +15,14 @@ from typing import TYPE_CHECKING, Any
 import move_base_abstract
 from move_base_abstract.lockstep import wire
 
+from ..waiting.outside import Outside
+
 if TYPE_CHECKING:
     from .taking_part import Participant
 
 _MOST_FRAMES = 12
 _LOOKS_PER_LIMIT = 10
-_LONGEST_GAP = 1.0  # s, wall
+_LONGEST_GAP, _SHORT_GAP = 1.0, 0.1  # s, wall
 _LOCKSTEP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 _OWN = tuple(os.path.dirname(os.path.abspath(path)) + os.sep
              for path in (move_base_abstract.__file__, _LOCKSTEP)) + ('<frozen',)
@@ -29,21 +35,22 @@ def watch(participant: Participant, limit_ns: int) -> None:
 
     ``limit_ns`` [ns, wall] may be NEVER.
     """
-    if limit_ns < wire.NEVER:
-        threading.Thread.start(threading.Thread(target=_watch, args=(participant, limit_ns * 1e-9), daemon=True,
-                                                name='lockstep_silence'))
+    threading.Thread.start(threading.Thread(target=_watch, args=(participant, limit_ns * 1e-9), daemon=True,
+                                            name='lockstep_silence'))
 
 
 def _watch(participant: Participant, limit: float) -> None:
-    round_number, since, told = None, 0.0, None
+    round_number, since, told, outside = None, 0.0, None, Outside(participant.scheduler)
     while not participant.scheduler.is_closed:
-        select.select([], [], [], min(_LONGEST_GAP, limit / _LOOKS_PER_LIMIT))
+        select.select([], [], [], min(_SHORT_GAP if outside.has_found else _LONGEST_GAP, limit / _LOOKS_PER_LIMIT))
         granted, now = participant.rounds.granted, time.monotonic()
         if granted != round_number:
             round_number, since = granted, now
-        elif granted is not None and granted != told and now - since >= limit:
-            told = granted
-            participant.connection.try_to_send(wire.busy(granted, stack(participant.scheduler.turn_ident)))
+        elif granted is not None:
+            if granted != told and now - since >= limit:
+                told = granted
+                participant.connection.try_to_send(wire.busy(granted, stack(participant.scheduler.turn_ident)))
+            outside.look(now)
 
 
 def stack(ident: Any) -> Any:

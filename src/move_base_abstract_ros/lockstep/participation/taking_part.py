@@ -144,6 +144,7 @@ class Participant:
         if self.scheduler.is_closed or self.is_told_to_end:
             return
         self.is_told_to_end = True
+        self.scheduler.beside.clear()  # who was let go ends without another turn
         self.connection.try_to_send(wire.stopping(reason))
 
     def crashing(self) -> None:

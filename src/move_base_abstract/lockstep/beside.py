@@ -1,0 +1,48 @@
+"""Threads that wait for somebody outside run beside the thread that has the turn, until they act again."""
+from __future__ import annotations
+
+from threading import get_ident
+from typing import Callable, Deque, Dict
+
+from .task import Task
+
+
+class Beside:
+    """A part of the scheduler: it lets such a thread go, and takes it back."""
+
+    turn_ident: int
+    is_closed: bool
+    _tasks: Dict[int, Task]
+    _ready: Deque[Task]
+    from_outside: Callable[[Callable[[], object]], None]
+    _resume_worker: Callable[[], None]
+    #: {number: task} of the threads that were let go
+    beside: Dict[int, Task]
+
+    def let_go(self, ident: int, still_waits: Callable[[], bool]) -> bool:
+        """Let others go on beside the thread ``ident``, which has the turn, if it ``still_waits()`` in the kernel.
+
+        Return whether that is so. A thread without a turn calls this. The other thread takes the turn again before it
+        does anything that others may see (:meth:`is_mine`).
+        """
+        task = self._tasks.get(ident)
+        if task is None:
+            return False
+        self.beside[ident] = task
+        if not still_waits() or self.turn_ident != ident or self.is_closed:
+            del self.beside[ident]
+            return False
+        self.turn_ident = 0
+        self._resume_worker()
+        return True
+
+    def comes_back(self) -> bool:
+        """If the calling thread was let go, wait for the turn; return whether it was."""
+        task = self.beside.pop(get_ident(), None)
+        if task is None or self.is_closed:
+            return False
+        self.from_outside(lambda: self._ready.append(task))
+        task.parking.acquire()
+        if not self.is_closed:
+            self.turn_ident = task.ident
+        return True
