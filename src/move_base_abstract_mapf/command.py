@@ -70,7 +70,7 @@ def _import(options: Any) -> int:
     from .layout import Grid, write_folder  # numpy takes a while to import
     from .movingai import read_map, read_problems
     grid = Grid(read_map(options.map), options.cell)
-    problems = read_problems(options.problems, grid.blocked)
+    problems = read_problems(options.problems, grid.blocked, options.map)
     if not 1 <= options.agents <= len(problems):
         raise ConfigurationError('--agents: got {}; allowed: 1..{}, as many as {} has'.format(
             options.agents, len(problems), options.problems))

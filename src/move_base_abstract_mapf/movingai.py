@@ -6,6 +6,7 @@ the north.
 """
 from __future__ import annotations
 
+import os
 from typing import Any, Dict, List, NamedTuple, Tuple
 
 import numpy as np
@@ -60,9 +61,11 @@ def read_map(path: str) -> Any:
     return np.array([[letter in _BLOCKED for letter in line] for line in cells])
 
 
-def read_problems(path: str, blocked: Any = None) -> List[Problem]:
-    """Return the problems of a ``.scen`` file, in its order; ``blocked``: the map that it must be for, None: any.
+def read_problems(path: str, blocked: Any = None, of_map: str = '') -> List[Problem]:
+    """Return the problems of a ``.scen`` file, in its order.
 
+    :param blocked: the map that it must be for, None: any. :param of_map: the path of its file, '': any; its name must
+        be the one that the problems have.
     :raises ConfigurationError: naming file and line.
     """
     problems = []
@@ -79,6 +82,9 @@ def read_problems(path: str, blocked: Any = None) -> List[Problem]:
             width, height, x, y, goal_x, goal_y = map(int, columns[2:8])
             if blocked is not None and (height, width) != blocked.shape:
                 raise _error(path, number, line, 'width {} and height {}, as the map has'.format(*blocked.shape[::-1]))
+            if of_map and os.path.basename(columns[1]) != os.path.basename(of_map):
+                raise _error(path, number, line, 'problems for {}; a copy of the map under another name must be renamed'
+                             .format(shown(os.path.basename(of_map))))
             problems.append(Problem((x, y), (goal_x, goal_y)))
     return problems
 

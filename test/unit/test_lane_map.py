@@ -58,6 +58,44 @@ def test_a_topological_map_in_a_frame_of_its_own_is_brought_into_its_parents():
     assert (other.nodes['A'].x, other.nodes['A'].y) == (1.0, 2.0)
 
 
+def test_a_map_of_strands_is_a_list_whose_edges_have_a_top_speed_and_whose_orientations_may_be_zeros(tmp_path):
+    path = tmp_path / 'site.tmap'
+    path.write_text("""- meta: {map: m, node: A, pointset: m}
+  node:
+    edges:
+    - {action: move_base, edge_id: A_B, inflation_radius: 0.0, map_2d: m, node: B, top_vel: 0.55}
+    - {action: dock, edge_id: A_B2, node: B, top_vel: 0.1}
+    localise_by_topic: ''
+    name: A
+    pose: {orientation: {w: 0.0, x: 0.0, y: 0.0, z: 0.0}, position: {x: 1.0, y: 2.0, z: 0.0}}
+    verts: [{x: 0.7, y: 0.3}]
+- meta: {map: m, node: B, pointset: m}
+  node:
+    edges: [{action: move_base, edge_id: B_A, node: A, top_vel: 0.0}]
+    name: B
+    pose: {orientation: {w: 0.0, x: 0.0, y: 0.0, z: 1.0}, position: {x: 4.0, y: 2.0, z: 0.0}}
+""")
+    lanes = read_lane_map(str(path), 'here')
+    assert {name: (pose.x, pose.y, pose.yaw) for name, pose in lanes.nodes.items()} == {
+        'A': (1.0, 2.0, 0.0), 'B': (4.0, 2.0, pytest.approx(math.pi))}
+    assert [(edge.begin, edge.end, edge.speed, edge.one_way) for edge in lanes.edges] == [
+        ('A', 'B', 0.55, True), ('B', 'A', None, True)]
+
+
+def test_a_map_of_strands_may_be_a_text(tmp_path):
+    path = tmp_path / 'site.tmap'
+    text = """node: \n\tA\n\twaypoint:\n\t\t1.0,2.5,0.0,0,0,0,0\n\tedges:\n\t\t B, dock\n\t\t B, move_base\n\tvertices:
+\t\t0.69,0.287\n\t\t-0.69, 0.287\nnode: \n\tB\n\twaypoint:\n\t\t-4, 2,0,0,0,-1.0,0.0\n\tedges:\n\t\t A, undock\n"""
+    path.write_text(text)
+    lanes = read_lane_map(str(path), 'here')
+    assert {name: (pose.x, pose.y, abs(pose.yaw)) for name, pose in lanes.nodes.items()} == {
+        'A': (1.0, 2.5, 0.0), 'B': (-4.0, 2.0, pytest.approx(math.pi))}
+    assert [(edge.begin, edge.end, edge.one_way) for edge in lanes.edges] == [('A', 'B', True), ('B', 'A', True)]
+    path.write_text(text.replace('2.5', 'north'))
+    with pytest.raises(ConfigurationError, match=r"site.tmap: nodes\[0\]: got .*'north' is no number"):
+        read_lane_map(str(path), 'there')
+
+
 def test_the_lanes_of_the_yard_ship():
     assert len(read_lane_map(LANES, 'here').nodes) == 11
 
@@ -77,8 +115,8 @@ def test_the_lanes_of_the_yard_ship():
     ({'nodes': NODES, 'edges': [{**EDGE, 'capacity': 0.5}]}, ['edges[0]', 'capacity: got 0.5']),
     ({'nodes': NODES, 'edges': [{**EDGE, 'points': [[0, 0]]}]}, ['edges[0]', 'the same place twice']),
     ({'nodes': NODES, 'edges': [EDGE, {'from': 'b', 'to': 'a', 'one_way': True}]}, ['edges[1]', 'edges[0] leads']),
-    (topological(nodes=[{'node': {'name': 'A'}}]), ['nodes[0]', 'not a node of a tmap2', 'pose']),
-    (topological(nodes=[*topological()['nodes'], {'node': 3}]), ['nodes[2]', 'not a node of a tmap2']),
+    (topological(nodes=[{'node': {'name': 'A'}}]), ['nodes[0]', 'not a node of a topological map', 'pose']),
+    (topological(nodes=[*topological()['nodes'], {'node': 3}]), ['nodes[2]', 'not a node of a topological map']),
     (topological(nodes=topological()['nodes'][:1]), ['edges[0]', "to: got 'B'"]),
 ])
 def test_lanes_that_cannot_be_are_refused_in_words(raw, words):

@@ -2,6 +2,7 @@
 import json
 import math
 import random
+import re
 from collections import deque
 from itertools import combinations
 from pathlib import Path
@@ -298,6 +299,9 @@ def test_the_command_makes_a_scenario_drives_a_plan_and_tells_what_has_come_of_i
     assert run('run', folder, tmp_path / 'plan.txt') == 2
     assert 'agent_0: the plan begins at' in capsys.readouterr().err
     assert run('import', grid, problems, '--agents', 99, '--out', folder) == 2
+    (tmp_path / 'other.map').write_text(grid.read_text())
+    assert run('import', tmp_path / 'other.map', problems, '--agents', 5, '--out', folder) == 2
+    assert re.search(r"boxes.scen:2: got .*; allowed: problems for 'other.map'", capsys.readouterr().err)
     (folder / 'mine.txt').write_text('x')
     assert run('import', grid, problems, '--agents', 5, '--out', folder) == 2
 

@@ -7,12 +7,12 @@
       - {from: depot, to: gate, speed: 0.5, capacity: 1}
       - {from: gate, to: depot, one_way: true, points: [[10, 4], [0, 4]]}
 
-Maps of the topological navigation of L-CAS (``tmap2``) are read, too: see :mod:`.topological_map`.
+Maps of topological navigation (``tmap`` and ``tmap2``) are read, too: see :mod:`.topological_map`.
 """
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.bounded_yaml import load_yaml_file
 from ..common.errors import ConfigurationError
@@ -21,7 +21,7 @@ from ..common.parameter_table import Parameter, kept_per_file, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
-from .topological_map import is_topological_map, plain_map
+from .topological_map import is_topological_map, nodes_of_text, plain_map
 
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
 #: the name of a node, or of a place of a travel matrix
@@ -98,11 +98,11 @@ def read_lane_map(path: str) -> LaneMap:
 
     :raises ConfigurationError: if there is none, or it cannot be used.
     """
-    return make_lane_map(load_yaml_file(path), path)
+    return make_lane_map(nodes_of_text(path) or load_yaml_file(path), path)
 
 
-def make_lane_map(raw: Mapping[str, Any], where: str = 'lanes') -> LaneMap:
-    """Return the :class:`LaneMap` in the dictionary ``raw``, in our own form or as a tmap2.
+def make_lane_map(raw: Any, where: str = 'lanes') -> LaneMap:
+    """Return the :class:`LaneMap` in the document ``raw``, in our own form or as a topological map.
 
     :raises ConfigurationError: for unknown keys and nodes, for values that are not allowed, and for nodes and edges
         that are there twice; the text begins with ``where``.
@@ -110,7 +110,7 @@ def make_lane_map(raw: Mapping[str, Any], where: str = 'lanes') -> LaneMap:
     if is_topological_map(raw):
         raw = plain_map(raw, where)
     if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('nodes', 'edges')):
-        raise error(where, raw, 'a mapping with the lists nodes and edges, or a tmap2')
+        raise error(where, raw, 'a mapping with the lists nodes and edges, or a topological map')
     check_keys(raw, ('nodes', 'edges'), where, '')
     nodes: Dict[str, Pose2D] = {}
     for index, entry in enumerate(raw['nodes']):
