@@ -354,3 +354,42 @@ def test_a_second_mention_of_a_place_is_the_robots_place_too(package):
     assert tuple(made.options.start.items()) == (('/r1/move_base', (2.0, 0.0, 0.0)), ('/r2/move_base', (5.0, 0.0, 0.0)))
     assert not any('is not a robot of this run' in line for line in made.remarks)
     assert ['/r2/move_base could start elsewhere: (7, 0, 0)' in line for line in made.remarks].count(True) == 1
+
+
+@pytest.mark.parametrize('words', [
+    '0 0 0 0 0 0 map r1/odom', '0 0 0 0 0 0 map r1/odom 100', '0 0 0 0 0 0 1 map r1/odom',
+    '0 0 0 0 0 0 1 /map /r1/odom 9'])
+def test_static_frames_of_odometry_are_left_out_however_they_are_written(package, words):
+    made = adopt(package('one.launch', """<launch><group ns="r1">
+      <node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="tf" type="static_transform_publisher" name="odometry" args="{}"/></group></launch>""".format(words)))
+    assert made.options.leave_out == ('/r1/odometry',)
+
+
+def test_robots_whose_maps_have_frames_of_their_own_start_in_these(package):
+    robot = GROUP.replace('</group>', """<node pkg="move_base" type="move_base" name="move_base">
+      <param name="global_costmap/global_frame" value="{0}/map"/></node></group>""")
+    frame = '<node pkg="tf" type="static_transform_publisher" name="{}" args="{} /{} /{} 20"/>'
+    made = adopt(package('three.launch', '<launch>{}{}{}{}{}</launch>'.format(
+        robot.format('r1', '0', '0', '0'), robot.format('r2', '0', '-0.8', '0'), robot.format('r3', '1', '2', '0'),
+        frame.format('a', '0 -0.8 0 0 0 0', 'r1/map', 'r2/map'),
+        frame.format('b', '1 1 0 1.5707963267948966 0 0', 'r1/map', 'r3/map'))))
+    assert made.options.start['/r1/move_base'] == made.options.start['/r2/move_base'] == (0.0, 0.0, 0.0)
+    assert made.options.start['/r3/move_base'] == pytest.approx((1.0, 0.0, -math.pi / 2))
+    assert any(line.startswith('/r2/move_base starts at (0, 0, 0) in r2/map: (0, -0.8, 0) of the spawner')
+               for line in made.done)
+    assert not any('start at one place' in line for line in made.remarks)
+
+
+def test_a_nodelet_that_stands_alone_and_is_not_here_is_left_out(package):
+    made = adopt(package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="nodelet" type="nodelet" name="sync" args="standalone of_nobody/sync"/></launch>"""))
+    assert made.options.leave_out == ('/sync',)
+
+
+def test_a_program_that_reads_a_keyboard_is_left_out_whatever_its_name(package):
+    package('scripts/buttons.py', '#!/usr/bin/env python3\nimport rospy\nimport sys, select, termios, tty\n', 0o755)
+    path = package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
+      <node pkg="of_a_stranger" type="buttons.py" name="buttons"/></launch>""")
+    assert adopt(path).options.leave_out == ('/buttons',)
+    assert adopt(path, participant=('/buttons',)).options.leave_out == ()

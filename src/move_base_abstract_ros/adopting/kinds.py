@@ -30,7 +30,7 @@ _SIMULATOR = 'it is a simulator with a clock of its own, or a part of one'
 _SPAWNS = 'it puts a model into a simulator that is not there'
 _PLACE = 'it says where the robot is, and so does ours'
 _SENSES = 'it processes data of sensors or wheels, and there are none'
-_PERSON = 'it waits for a person or a joystick'
+PERSON = 'it waits for a person or a joystick'
 _TOOLS = 'it drives a device, and there is none'
 _TO_DRIVE = 'it drives the robot, and so does ours'
 #: public packages by full name, whose nodes are left out even if they are installed
@@ -42,7 +42,7 @@ _KNOWN = {name: Kind(LEFT_OUT, why) for names, why in (
     ('gmapping slam_gmapping slam_toolbox slam_karto hector_mapping cartographer_ros rtabmap_ros rtabmap_slam '
      'octomap_server laser_filters laser_scan_matcher laser_assembler pointcloud_to_laserscan depthimage_to_laserscan '
      'ira_laser_tools imu_filter_madgwick imu_complementary_filter', _SENSES),
-    ('joy teleop_twist_keyboard teleop_twist_joy key_teleop turtlebot_teleop turtlebot3_teleop kobuki_keyop', _PERSON),
+    ('joy teleop_twist_keyboard teleop_twist_joy key_teleop turtlebot_teleop turtlebot3_teleop kobuki_keyop', PERSON),
     ('rosserial_python rosserial_server kobuki_node rplidar_ros urg_node hokuyo_node sick_scan sick_tim lms1xx '
      'realsense2_camera usb_cam velodyne_driver velodyne_pointcloud ydlidar_ros hls_lfcd_lds_driver rosaria',
      _TOOLS)) for name in names.split()}
@@ -52,11 +52,13 @@ _GUESSED = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package
     ('ros_gz.*|ros_ign.*|stdr_.*|morse.*|coppeliasim.*|vrep.*', '.*', _SIMULATOR),
     ('mcl.*', '.*', _PLACE),
     ('slam_.*|karto.*|rtabmap.*|.*_slam|laser_.*|pointcloud_.*|depthimage_.*|imu_.*|scan_tools', '.*', _SENSES),
-    ('teleop.*|.*_teleop', '.*teleop.*|.*key.*|joy.*', _PERSON),
+    ('teleop.*|.*_teleop', '.*teleop.*|.*key.*|joy.*', PERSON),
     ('rosserial.*|kobuki_.*|sick_.*|velodyne_.*|ydlidar.*|.*_driver|.*_drivers|.*_hardware', '.*', _TOOLS),
 )]
+#: modules of programs that read a keyboard: without a terminal they crash
+KEYBOARD = ('termios', 'tty', 'curses', 'pynput')
 #: modules of programs that read a keyboard, a joystick or a device; they confirm a guess
-HANDS = ('termios', 'tty', 'curses', 'pynput', 'pygame', 'serial', 'smbus', 'RPi', 'usb')
+HANDS = (*KEYBOARD, 'pygame', 'serial', 'smbus', 'RPi', 'usb')
 _CLOCK = re.compile(r'(?:.*_)?(?:sim_?time|clock)(?:_.*)?(?:\.py)?')
 CLOCK = 'it is a clock, and in lockstep only the time master is one'
 NO_PROGRAM = 'this program is not installed here'

@@ -117,16 +117,28 @@ def _is_robot(words):
     return '-param' in words and '-sdf' not in words and any('robot' in word for word in words)
 
 
-def _of_frame(node):
+def frame_of(node):
+    """Return (parent, child, (x, y, yaw) of the child in the parent [m, m, rad]) of a static publisher, or None."""
     words = words_of(node.args)
     numbers = [_number(word) for word in words[:7]]
     if len(words) < 8 or None in numbers[:6]:
-        return
+        return None
     is_quaternion = numbers[6] is not None and len(words) >= 9
     yaw = 2 * math.atan2(numbers[5], numbers[6]) if is_quaternion else numbers[3]
     parent, child = (words[7:9] if is_quaternion else words[6:8])
-    if parent.strip('/').endswith('map') and 'odom' in child:
-        yield Hint(FRAME, (numbers[0], numbers[1], yaw), node.namespace, tokens(node.namespace, child, node.name),
+    return parent.strip('/'), child.strip('/'), (numbers[0], numbers[1], yaw)
+
+
+def static_frames(config):
+    """Return {child: (parent, pose of the child in the parent)} of the file's static publishers of frames."""
+    found = [frame_of(node) for node in config.nodes if kinds.kind_of(node.package, node.type).word == kinds.FRAME]
+    return {child: (parent, pose) for parent, child, pose in filter(None, found)}
+
+
+def _of_frame(node):
+    parent, child, pose = frame_of(node) or ('', '', ())
+    if parent.endswith('map') and 'odom' in child:
+        yield Hint(FRAME, pose, node.namespace, tokens(node.namespace, child, node.name),
                    'the frame {} of {}'.format(child, name_of(node)), node.filename or '')
 
 

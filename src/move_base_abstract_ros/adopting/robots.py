@@ -18,6 +18,8 @@ class Robot(NamedTuple):
     """A robot: the full ``name`` of its move_base, its ``namespace``, and its possible ``names``.
 
     ``added``: why it gets a move_base although the file starts none, or ''. ``place``: where it is in the file.
+    ``frame``: its map's frame, if robots have different ones; ``map_pose``: the pose of that frame in Gazebo's world,
+    (x, y, yaw) [m, m, rad], by the static frames of the file.
     """
 
     name: str
@@ -25,6 +27,8 @@ class Robot(NamedTuple):
     names: frozenset
     added: str = ''
     place: str = ''
+    frame: str = ''
+    map_pose: tuple = ()
 
     @property
     def has_name(self):
@@ -69,7 +73,29 @@ def robots_of(config, hints):
                 known.add(hint.namespace)
                 found.append(_new(hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(
                     hint.who), hint.place))
-    return _told_apart(found)
+    return _with_maps(config, _told_apart(found))
+
+
+def _with_maps(config, robots):
+    """Return the robots with the places of their maps, if they have different ones: each SLAM begins its own."""
+    keys = ['{}/global_costmap/global_frame'.format(robot.name) for robot in robots]
+    frames = [str(config.params[key].value).strip('/') if key in config.params else 'map' for key in keys]
+    if len(set(frames)) < 2:
+        return robots
+    known = poses.static_frames(config)
+    return [robot._replace(frame=frame, map_pose=_in_outermost(frame, known)) for robot, frame in zip(robots, frames)]
+
+
+def _in_outermost(frame, known):
+    """Return the pose of a frame in the outermost one above it. ``known``: {child: (parent, pose)}."""
+    x, y, yaw = 0.0, 0.0, 0.0
+    for _count in range(len(known)):  # frames may be above one another in a circle
+        if frame not in known:
+            break
+        frame, of_frame = known[frame]
+        x, y = worlds.turned(x, y, of_frame[2])
+        x, y, yaw = x + of_frame[0], y + of_frame[1], yaw + of_frame[2]
+    return x, y, yaw
 
 
 def _of_robots(hints):
@@ -126,7 +152,7 @@ def starts_of(robots, hints, stages):
              for robot in robots]
     offset = _offset(stages)
     return found, [hint for hint in seconds if hint not in whose and not any(
-        start.hint is not None and not _differ(in_map(hint, offset), start.pose) for start in found)]
+        start.hint is not None and not _differ(in_map(hint, offset, start.robot), start.pose) for start in found)]
 
 
 def _is_named(robot, hint):
@@ -166,19 +192,20 @@ def _start(robot, hints, stages, by_order):
     chosen = next((hint for hint in order if hint is not None), None)
     if chosen is None:
         return Start(robot, None, (0.0, 0.0, 0.0), (), False)
-    pose = in_map(chosen, offset)
-    others = tuple(hint for hint in hints if hint is not chosen and _differ(in_map(hint, offset), pose))
-    return Start(robot, chosen, pose, tuple((hint, in_map(hint, offset)) for hint in others), chosen in by_order)
+    pose = in_map(chosen, offset, robot)
+    others = [(hint, in_map(hint, offset, robot)) for hint in hints if hint is not chosen]
+    return Start(robot, chosen, pose, tuple(one for one in others if _differ(one[1], pose)), chosen in by_order)
 
 
 def _offset(stages):
     return next((stage.offset for stage in stages if stage.offset is not None), None)
 
 
-def in_map(hint, offset):
-    """Return the pose of a hint in the map's frame. ``offset``: the pose of that frame in Stage's world, or None."""
+def in_map(hint, offset, robot):
+    """Return the pose of a hint in a robot's map frame. ``offset``: that frame's pose in Stage's world, or None."""
     x, y, yaw = hint.pose
-    if hint.source == poses.STAGE and offset:
+    offset = offset if hint.source == poses.STAGE else robot.map_pose if hint.source == poses.SPAWNED else None
+    if offset and any(offset):
         x, y = worlds.turned(x - offset[0], y - offset[1], -offset[2])
         x, y, yaw = round(x, 9) + 0.0, round(y, 9) + 0.0, math.remainder(yaw - offset[2], 2 * math.pi)
     return x, y, yaw

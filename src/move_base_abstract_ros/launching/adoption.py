@@ -167,7 +167,7 @@ class _Adoption:
 
     def _nodelet(self, node):
         words = poses.words_of(node.args)
-        package = words[1].partition('/')[0] if words[:1] == ['load'] and len(words) > 1 else ''
+        package = words[1].partition('/')[0] if words[:1] in (['load'], ['standalone']) and len(words) > 1 else ''
         if package and not reading.is_package(package):
             self._leave(node, 'the package {} is not installed here'.format(package), is_loss=True)
 
@@ -217,8 +217,9 @@ class _Adoption:
                                         'gives one'.format(name, self._unless_placed()))
                 continue
             starts[name] = tuple(map(float, start.pose))
-            self.done.append('{} starts at ({:g}, {:g}, {:g}): {}{}'.format(
-                name, *start.pose, start.hint.shown, ', which is its place by the order in the file' * start.by_order))
+            self.done.append('{} starts at ({:g}, {:g}, {:g}){}: {}{}'.format(
+                name, *start.pose, ' in {}'.format(start.robot.frame) if start.robot.frame else '', start.hint.shown,
+                ', which is its place by the order in the file' * start.by_order))
             for other, pose in start.others:
                 self.remarks.append('{} could start elsewhere: {}; --start {}={} starts it there'.format(
                     name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
@@ -241,7 +242,8 @@ class _Adoption:
     def _one_place(self, found):
         for number, pose in enumerate(found):
             same = [robot.name for robot, other in zip(self.robots, found)
-                    if max(abs(a - b) for a, b in zip(pose[:2], other[:2])) < _SAME_PLACE]
+                    if robot.frame == self.robots[number].frame
+                    and max(abs(a - b) for a, b in zip(pose[:2], other[:2])) < _SAME_PLACE]
             if len(same) > 1 and self.robots[number].name == same[0]:
                 self.remarks.append('{} start at one place, ({:g}, {:g}){}: --start NODE=X,Y,YAW sets another'.format(
                     ' and '.join(same), *pose[:2], self._unless_placed()))
@@ -330,6 +332,8 @@ class _Adoption:
 def _kind_of(node):
     """Return the Kind of a node. What is here takes precedence over a guess by a part of its name; ``why`` stays."""
     kind, path = kinds.kind_of(node.package, node.type), roles.program_of(node)
+    if path is not None and kind.word == kinds.ELSE and programs.imports_one_of(path, kinds.KEYBOARD):
+        return kinds.Kind(kinds.LEFT_OUT, kinds.PERSON)
     if kind.is_guess and reading.is_package(node.package) and not (
             path is not None and programs.imports_one_of(path, kinds.HANDS)):
         return kinds.Kind(kinds.ELSE, kind.why)
@@ -361,11 +365,8 @@ def word_to_type(word):
 
 
 def _is_of_robots(node):
-    words = [word.strip('/') for word in poses.words_of(node.args)]
-    frames = words[7:9] if len(words) >= 9 else words[6:8]
-    return len(frames) == 2 and (
-        'odom' in frames[1] and ('map' in frames[0] or 'world' in frames[0])
-        or 'base' in frames[1] and 'odom' in frames[0])
+    parent, child, _pose = poses.frame_of(node) or ('', '', ())
+    return 'odom' in child and ('map' in parent or 'world' in parent) or 'base' in child and 'odom' in parent
 
 
 def _short(path):
