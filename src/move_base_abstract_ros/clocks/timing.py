@@ -147,6 +147,11 @@ class ScaledTiming:
         """Watch the clock, and log which node has gone if time stands still for good."""
         watch_clock()
 
+    @staticmethod
+    def leave_clock() -> bool:
+        """Return False: a node that looks on goes on listening to ``/clock``."""
+        return False
+
 
 class LockstepTiming:
     """Lockstep: time leaps from event to event and waits for all participants, and no message is left out.
@@ -247,6 +252,12 @@ class LockstepTiming:
     @staticmethod
     def watch() -> None:
         """Do nothing: if the time master ends, the connection to it ends, too."""
+
+    @staticmethod
+    def leave_clock() -> bool:
+        """Have a node that looks on, and knows what time it is, listen to ``/clock`` no longer; return True."""
+        lockstep.leave_clock()
+        return True
 
 
 #: the two kinds of clocks, and of timings

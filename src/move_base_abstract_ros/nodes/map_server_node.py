@@ -109,7 +109,6 @@ class MapServer:
 
     def __init__(self, frame_id, occupancy):
         participant = lockstep.join(own_threads=False) if lockstep.is_awaited(rospy.get_name()) else None
-        self._looks_on = participant is None and lockstep.is_lockstep()
         self._frame_id = frame_id
         self._lock = threading.Lock()
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
@@ -117,9 +116,9 @@ class MapServer:
         self._map = rospy.Publisher('map', numpy_msg(OccupancyGrid), queue_size=1, latch=True)
         self._grid = None
         _wait_for_time()
-        if self._looks_on:  # time need not wait for a node that has only asked once what time it is
-            lockstep.leave_clock()
-        make_timing().watch()
+        timing = make_timing()
+        timing.watch()
+        self._has_left_clock = participant is None and timing.leave_clock()  # time need not wait for this node
         self.show(occupancy, rospy.Time.now())
         self._services = [rospy.Service('static_map', GetMap, self._get_map)]
         if LoadMap is not None:
@@ -150,7 +149,8 @@ class MapServer:
         """Show the map of another YAML file; if that fails, the old map stays."""
         try:
             occupancy = load_map(_describe(to_path(request.map_url)))
-            self.show(occupancy, rospy.wait_for_message('/clock', Clock).clock if self._looks_on else rospy.Time.now())
+            now = rospy.wait_for_message('/clock', Clock).clock if self._has_left_clock else rospy.Time.now()
+            self.show(occupancy, now)
         except ConfigurationError as error:
             rospy.logerr('%s: change_map: %s; the map stays as it is', rospy.get_name(), error)
             return LoadMapResponse(result=LoadMapResponse.RESULT_UNDEFINED_FAILURE)
