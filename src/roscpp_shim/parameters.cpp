@@ -14,6 +14,7 @@
 #include "node.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
+#include "waits.h"
 
 namespace move_base_abstract::shim {
 namespace {
@@ -116,16 +117,11 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
 /** @brief Count a look at a parameter. A loop that waits by looking at it lets time go on. */
 void Parameters::look(const std::string& name) {
   const bool is_logging = name == kOfLogging;
-  Look& look = looks_[name];
-  const Nanoseconds now = node().now();
-  look.count = now <= look.at + (is_logging ? 0 : kStep) ? look.count + 1 : 1;
-  if (look.count > (is_logging ? kLines : kLooks)) {
-    Wait wait;
-    wait.until = now + kStep;
-    turn().wait(std::move(wait));
-    look.count = is_logging ? 1 : look.count;  // this line is the first one of the new instant
+  Repeated& look = looks_[name];
+  if (countRepeated(&look, is_logging ? kLines : kLooks, is_logging ? 0 : kStep, "a parameter") &&
+      is_logging) {
+    look.count = 1;  // this line is the first one of the new instant
   }
-  look.at = node().now();
 }
 
 void Parameters::tellOfRoslaunch(const std::string& name) {

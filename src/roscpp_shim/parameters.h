@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lockstep/wire/wire.h"
+#include "turn.h"
 
 namespace move_base_abstract::shim {
 
@@ -83,11 +84,6 @@ class Parameters {
   /** @brief Label the run, once for each name, if roslaunch sets @p name anew in each run. */
   void tellOfRoslaunch(const std::string& name);
 
-  struct Look {
-    unsigned count = 0;
-    Nanoseconds at = 0;  // simulated
-  };
-
   struct Kept {
     bool is_good = false;
     XmlRpc::XmlRpcValue answer;
@@ -99,7 +95,7 @@ class Parameters {
   bool keeps_ = true;
   std::set<std::string> asked_;
   std::set<std::string> told_;
-  std::map<std::string, Look> looks_;
+  std::map<std::string, Repeated> looks_;
 };
 
 Parameters& parameters();

@@ -23,6 +23,7 @@
 #include "parameters.h"
 #include "roscpp_shim/machine/real.h"
 #include "turn.h"
+#include "waits.h"
 
 namespace move_base_abstract::shim {
 namespace {
@@ -161,16 +162,7 @@ bool mayBeOfferedOutside(const std::string& service) {
 /** @brief Count a call of a service. In a loop that does nothing but call, time goes on. */
 void countCall() {
   constexpr unsigned kCalls = 1000;  // at one instant, after which each takes a while
-  constexpr Nanoseconds kPeriod = 1'000'000;
-  Task& me = *Turn::self();
-  me.calls = me.called_at == node().now() ? me.calls + 1 : 1;
-  if (me.calls > kCalls) {
-    tellPassage("a service");
-    Wait wait;
-    wait.until = node().now() + kPeriod;
-    turn().wait(std::move(wait));
-  }
-  me.called_at = node().now();
+  countRepeated(&Turn::self()->calls, kCalls, 0, "a service");
 }
 
 }  // namespace

@@ -186,11 +186,15 @@ void handle(const wire::Subscriber& item) {
   Topic* const topic = topics().of(item.topic);
   const auto publication =
       topic == nullptr ? nullptr : ros::TopicManager::instance()->lookupPublication(topic->name);
-  if (publication && topic->receivers.count(item.receiver) == 0) {
-    const auto link = boost::make_shared<MemberSubscriber>(*topic, item.receiver);
-    topic->receivers[item.receiver] = link;
-    publication->addSubscriberLink(link);
+  if (!publication) {
+    return;
   }
+  auto& link = topic->receivers[item.receiver];
+  if (link) {  // it has unsubscribed and subscribed within a turn, and gets what is latched again
+    publication->removeSubscriberLink(link);
+  }
+  link = boost::make_shared<MemberSubscriber>(*topic, item.receiver);
+  publication->addSubscriberLink(link);
 }
 
 void handle(const wire::NoSubscriber& item) {

@@ -27,6 +27,12 @@ class PlainMutex {
   pthread_mutex_t mutex_ = PTHREAD_MUTEX_INITIALIZER;
 };
 
+/** What a thread does again and again: how often in a row, and when last [ns, simulated]. */
+struct Repeated {
+  unsigned count = 0;
+  Nanoseconds at = -1;
+};
+
 /** @brief What a thread waits for. An empty Wait only lets the other threads go first. */
 struct Wait {
   Nanoseconds until = kNever;        // simulated
@@ -72,8 +78,9 @@ struct Task {
   unsigned naps = 0;              // and how often
   unsigned yields = 0;            // in a row
   unsigned tries = 0;             // to take a lock, in vain and in a row
-  unsigned calls = 0;             // of services, in a row
-  Nanoseconds called_at = -1;     // instant of the last of them
+  Repeated calls;                 // of services
+  Repeated questions;             // to the ROS master
+  Repeated messages;              // that it has waited for
   bool sleeps_simulated = false;  // these sleeps were too long, so its sleeps are simulated now
   std::function<void*()> main;    // its function, until it has begun
   std::vector<std::function<void()>> at_end;

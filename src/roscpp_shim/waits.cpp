@@ -175,6 +175,21 @@ void countClockRead() {
   *count = kClockReads - kClockReadsAgain;  // any other wait begins the count anew
 }
 
+bool countRepeated(Repeated* done, unsigned limit, Nanoseconds slack, const char* call) {
+  constexpr Nanoseconds kPeriod = 1'000'000;
+  const bool is_in_row = done->at >= 0 && node().now() <= done->at + slack;
+  done->count = is_in_row ? done->count + 1 : 1;
+  const bool takes_time = done->count > limit;
+  if (takes_time) {
+    tellPassage(call);
+    Wait wait;
+    wait.until = node().now() + kPeriod;
+    turn().wait(std::move(wait));
+  }
+  done->at = node().now();
+  return takes_time;
+}
+
 void countLook(unsigned* count, unsigned limit) {
   if (++*count >= limit) {
     *count = 0;

@@ -28,6 +28,15 @@ constexpr unsigned kClockReadsAgain = 10000;  // and those after which it goes o
 /** @brief Count that the calling thread, which has the turn, has read a clock. */
 void countClockRead();
 
+/**
+ * @brief Count what a thread does again and again without waiting, for example questions.
+ *
+ * After @p limit times in a row, with at most @p slack of simulated time [ns] between two, it
+ * counts as a loop that waits so, and each takes 1 ms. @p call names it for labels.
+ * @return whether this one has taken its time. @pre The thread has the turn.
+ */
+bool countRepeated(Repeated* done, unsigned limit, Nanoseconds slack, const char* call);
+
 /** @brief Let the other threads go first; in a loop of @p call, time goes on. @pre The thread has
  * the turn. */
 void giveWay(const char* call);

@@ -182,27 +182,6 @@ void wallLoop(const Teller& teller) {
   teller.tell("is set");
 }
 
-/** Waits by the wall clock for a subscriber, and polls without any wait. */
-void polls(const Teller& teller) {
-  ros::NodeHandle node;
-  ros::Publisher publisher = node.advertise<std_msgs::String>("polled", 10);
-  while (publisher.getNumSubscribers() == 0) {
-    ros::WallDuration(0.01).sleep();
-  }
-  teller.tell("somebody listens");
-  int heard = 0;
-  const auto subscriber = node.subscribe<std_msgs::String>(
-      "ticks", 10, [&heard](const std_msgs::String::ConstPtr&) { ++heard; });
-  while (ros::ok() && heard < 5) {
-    ros::spinOnce();
-  }
-  teller.tell("five are heard");
-  const ros::Time end = ros::Time::now() + ros::Duration(0.01);
-  while (ros::Time::now() < end) {
-  }
-  teller.tell("time has gone on");
-}
-
 /** A queue of its own, a connect callback, a timer whose period changes, a MultiThreadedSpinner. */
 void queues(const Teller& teller) {
   ros::NodeHandle node;
@@ -379,7 +358,6 @@ int nodeMain(int argc, char** argv) {
       {"two_spinners", [&] { two_spinners(teller); }},
       {"hears", [&] { hears(teller); }},
       {"wall_loop", [&] { wallLoop(teller); }},
-      {"polls", [&] { polls(teller); }},
       {"queues", [&] { queues(teller); }},
       {"looks", [&] { looks(teller); }},
       {"wall", [&] { wall(teller); }},

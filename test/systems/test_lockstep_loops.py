@@ -39,6 +39,18 @@ while not seen:
 print('%.9f seen' % rospy.get_time())
 """
 
+# A loop that waits for a message that is latched, and so there at once each time, until it says something else.
+LATCHED = """import rospy
+from std_msgs.msg import String
+rospy.init_node('latched')
+said = rospy.Publisher('said', String, queue_size=1, latch=True)
+said.publish('one')
+rospy.Timer(rospy.Duration(0.5), lambda _event: said.publish('two'), oneshot=True)
+while rospy.wait_for_message('said', String, timeout=1.0).data == 'one':
+    pass
+print('%.2f heard' % rospy.get_time())
+"""
+
 
 class LookingTest(Scenario, unittest.TestCase):
     """Loops without sleep see each change at its instant, and the run is repeatable."""
@@ -82,6 +94,10 @@ class ExplorerTest(OwnFolder, unittest.TestCase):
     def test_a_loop_that_calls_a_service_until_the_world_changes_lets_time_go_on(self):
         run = run_programs({'calls': [self.write('calls.py', CALLS)]}, until=2.0)
         self.assertEqual((run.printed('calls'), run.state.not_repeatable_because), (['1.020000000 seen'], []))
+
+    def test_a_loop_that_waits_for_what_is_there_at_once_lets_time_go_on(self):
+        run = run_programs({'latched': [self.write('latched.py', LATCHED)]}, until=3.0)
+        self.assertEqual((run.printed('latched'), run.state.not_repeatable_because), (['1.50 heard'], []))
 
     def test_they_go_on_with_a_label_where_they_may_compute(self):
         run = run_programs({'explorer': ['explorer.py', '_computes:=true'], 'finder': ['frontier_finder.py']},

@@ -12,12 +12,21 @@ class TurnLost(Exception):
     """The participant has left lockstep while this thread waited."""
 
 
+class Repeated:
+    """What a thread does again and again: how often at one instant, which is that of the last time [ns]."""
+
+    __slots__ = ('count', 'at_ns')
+
+    def __init__(self) -> None:
+        self.count, self.at_ns = 0, -1
+
+
 class Task:
     """The state of one thread: what it waits for, and the lock that is released to let it go on."""
 
     __slots__ = ('name', 'ident', 'parking', 'is_waiting', 'wake_token', 'timed_out', 'waits_for', 'kind',
                  'is_finished', 'is_worker', 'looks', 'turns', 'idle_turns',
-                 'is_looking', 'calls', 'called_ns')
+                 'is_looking', 'calls', 'messages')
 
     def __init__(self, name: str, is_worker: bool = False) -> None:
         self.name = name
@@ -35,7 +44,7 @@ class Task:
         self.is_looking: int = False
         self.turns = 0  # the number of turns of loops since then, or since it has computed
         self.idle_turns = 0  # the same, or since it has called a function that may compute
-        self.calls, self.called_ns = 0, -1  # of services, at the instant of the last of them
+        self.calls, self.messages = Repeated(), Repeated()  # of services; that it has waited for
 
 
 def release(task: Task) -> None:

@@ -41,9 +41,6 @@ constexpr unsigned kAsked = 100;
 /** At most this time passes between two questions of such a loop [ns, simulated]. */
 constexpr move_base_abstract::Nanoseconds kStep = 1'000'000;
 
-thread_local unsigned t_asked = 0;
-thread_local move_base_abstract::Nanoseconds t_asked_at = 0;
-
 /** @return whether one of the program's threads calls, and has the turn. */
 bool isOfProgram() {
   return !shim::Turn::isInside() && !shim::Turn::isInternal() && shim::turn().enter();
@@ -52,14 +49,8 @@ bool isOfProgram() {
 /** @brief Wait until no participant has anything left to do; in a loop of questions time goes on.
  */
 void awaitOthers() {
-  t_asked = shim::node().now() <= t_asked_at + kStep ? t_asked : 0;
+  shim::countRepeated(&shim::Turn::self()->questions, kAsked, kStep, "the ROS master");
   shim::Wait wait;
-  if (++t_asked >= kAsked) {
-    wait.until = shim::node().now() + kStep;
-    shim::turn().wait(wait);
-  }
-  t_asked_at = shim::node().now();
-  wait = shim::Wait();
   wait.at_rest = true;
   shim::turn().wait(wait);
 }

@@ -19,6 +19,7 @@
 #include "roscpp_shim/parameters.h"
 #include "roscpp_shim/topics.h"
 #include "roscpp_shim/turn.h"
+#include "roscpp_shim/waits.h"
 
 namespace shim = move_base_abstract::shim;
 namespace wire = move_base_abstract::wire;
@@ -255,6 +256,12 @@ void Publication::removeSubscriberLink(const SubscriberLinkPtr& link) {
 }
 
 namespace topic {
+namespace {
+
+/** After this many waits at one instant, they count as a loop that looks. */
+constexpr unsigned kMessages = 100;
+
+}  // namespace
 
 void waitForMessageImpl(SubscribeOptions& options, const boost::function<bool(void)>& is_ready,
                         NodeHandle& node, Duration timeout) {
@@ -262,6 +269,9 @@ void waitForMessageImpl(SubscribeOptions& options, const boost::function<bool(vo
       &waitForMessageImpl,
       "_ZN3ros5topic18waitForMessageImplERNS_16SubscribeOptionsERKN5boost8functionIFbvEEERNS_"
       "10NodeHandleENS_8DurationE");
+  if (shim::turn().holds()) {  // a message that is stored is there at once, again and again
+    shim::countRepeated(&shim::Turn::self()->messages, kMessages, 0, "waitForMessage()");
+  }
   bool is_of_participants = false;
   const std::string name = node.resolveName(options.topic);
   const boost::function<bool(void)> look = [&] {

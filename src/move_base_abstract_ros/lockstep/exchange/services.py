@@ -33,8 +33,7 @@ _OF_ROSPY = ('/get_loggers', '/set_logger_level')
 _TIME_MASTERS = '/time_master/'  # the namespace of the time master's services
 _SEEK_SECONDS = 0.1  # wall
 _PATIENCE = 5.0  # s, wall
-#: calls of a thread at one instant, after which each takes a while [ns], as in C++
-_CALLS, _CALL_NS = 1000, 1000000
+_CALLS = 1000  # of a thread at one instant, after which each takes a while, as in C++
 
 
 class Services:
@@ -113,11 +112,7 @@ class Services:
         self._call_count += 1
         number = self._call_count
         scheduler = self._participant.scheduler
-        task = scheduler.current()
-        task.calls = task.calls + 1 if task.called_ns == scheduler.now_ns else 1
-        if task.calls > _CALLS:  # a loop that calls until the world changes
-            scheduler.wait(scheduler.now_ns + _CALL_NS)
-        task.called_ns = scheduler.now_ns
+        scheduler.repeat(scheduler.current().calls, _CALLS)  # in a loop that calls until the world changes
         self._calls[number] = [scheduler.current(), None]
         self._participant.add(wire.call(number, creating_index(), name, request))
         try:

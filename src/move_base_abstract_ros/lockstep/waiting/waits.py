@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
     from ..participation.taking_part import Participant
 
+#: messages that a thread waits for at one instant, after which each takes a while, as in C++
+_MESSAGES = 100
+
 
 def install(participant: Participant) -> None:
     """Replace the waits. Call this once."""
@@ -121,6 +124,8 @@ class _Waits:
 
     def wait_for_message(self, topic: str, topic_type: Type[Any], timeout: Optional[float] = None) -> Any:
         """Stand in for rospy.wait_for_message; the timeout is simulated time (stock rospy's is wall time)."""
+        with _until_shutdown():
+            self._scheduler.repeat(self._scheduler.current().messages, _MESSAGES)  # a latched one is there at once
         messages: List[Any] = []
         subscriber = rospy.Subscriber(topic, topic_type, messages.append)
         try:
