@@ -80,7 +80,7 @@ class FollowedTest(unittest.TestCase):
             self.assertEqual(said[2:], [
                 4, '2020-01-01 00:00:{},{} said'.format(second, rest),
                 ('2020-01-01 00:00:' + second, '2020-01-01', '00:00:{}.{}'.format(second, rest),
-                 '2001-02-04 00:00:00', '2020-01-01'), 8, '<__main__.Clock object'])
+                 '2001-02-04 00:00:00', '2020-01-01'), 8, '<__main__.Clock object', '[0.0, 0, None]'])
 
     def test_folders_are_listed_by_name(self):
         for said in (self.said[3], self.said[8]):

@@ -78,7 +78,13 @@ def itself():
         database.execute("INSERT INTO told (what) VALUES (strftime('%H:%M:%f'))")
         row = database.execute("SELECT at, day, what, datetime('2001-02-03', '+1 day'), date(at) FROM told").fetchone()
     return [threading.Thread().name, threading.Thread(target=names).name, os.cpu_count(), stream.getvalue().strip(),
-            row, concurrent.futures.ThreadPoolExecutor()._max_workers, repr(Clock()).partition(' at ')[0]]
+            row, concurrent.futures.ThreadPoolExecutor()._max_workers, repr(Clock()).partition(' at ')[0], str(memory())]
+
+
+def memory():
+    full = np.full(999, 7.0)
+    del full
+    return [float(np.empty(999).sum()), int(np.empty_like(np.ones(999), int).sum()), np.empty(1, dtype=object)[0]]
 
 
 def names():

@@ -6,6 +6,7 @@ lockstep does not order draw from other bytes, so that they do not disturb the o
 """
 from __future__ import annotations
 
+import functools
 import os
 import random
 import sys
@@ -44,16 +45,27 @@ def install(text: str, present_ns: Callable[..., Any]) -> Callable[..., Any]:
     replace('random.Random.seed', lambda seed: _seeding(seed, chance))
     replace('random.seed', lambda _seed: random._inst.seed)
     replace('tempfile._get_candidate_names', lambda machine: _naming(machine, chance))
-    _seed_numpy(number)
+    _follow_numpy(number)
     return chance.draw_in_turn
 
 
-def _seed_numpy(number: int) -> None:
+def _follow_numpy(number: int) -> None:
+    """Seed numpy's generator from a ``number``, and have zeros in arrays of which the program has written nothing."""
     try:
         import numpy
     except ImportError:
         return
     numpy.random.seed(number)  # noqa: NPY002 - the generator of the program, not ours
+    for name, zeros in (('numpy.empty', numpy.zeros), ('numpy.empty_like', numpy.zeros_like)):
+        replace(name, lambda empty, zeros=zeros: _written(empty, zeros))
+
+
+def _written(empty: Callable[..., Any], zeros: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(empty)
+    def call(*args: Any, **kwds: Any) -> Any:
+        made = zeros(*args, **kwds)
+        return empty(*args, **kwds) if made.dtype.hasobject else made  # of objects, all are None
+    return call
 
 
 class _Chance:
