@@ -60,7 +60,7 @@ TABLES = {
     'fleet': [('', node_tables.FLEET), (_SCENARIO, node_tables.FLEET_INLINE), _LOCKSTEP, _ACTIONLIB],
     'task_server': [('', node_tables.TASK_SERVER), (_SCENARIO, node_tables.TASK_SERVER_INLINE), _LOCKSTEP, _ACTIONLIB],
     'task_source': [('', node_tables.TASK_SOURCE), (_SCENARIO, node_tables.TASK_SOURCE_INLINE), _LOCKSTEP],
-    'map_server': [('', (node_tables.MAP_FRAME, *node_tables.MAP_OLD_FORM))],
+    'map_server': [('', (node_tables.MAP_FRAME, node_tables.MAP_IMAGE, *node_tables.MAP_OLD_FORM))],
 }
 
 

@@ -113,6 +113,12 @@ class MapServer(unittest.TestCase):
             self.assertEqual(changed.resolution, 1.0)
             self.assertTrue(before <= changed.map_load_time <= rospy.Time.now(), changed)
 
+    def test_an_image_of_another_place_can_be_given(self):
+        path = self.describe(image='gone/m.pgm')
+        self.refused([path], 'gone/m.pgm: cannot be read', 'beside the YAML file there is')
+        self.start(path, image=os.path.join(self.folder, 'm.pgm'))
+        self.assertEqual(tuple(self.grid().data), CELLS)
+
     def test_frame_id_and_an_unknown_key(self):
         process = self.start(self.describe(modes='raw'), frame_id='field')
         self.assertEqual(self.grid().header.frame_id, 'field')

@@ -1,4 +1,6 @@
 """A map in a launch file of others counts, as with upstream's planner; parameters without an effect are named."""
+import os
+
 import pytest
 
 from strangers_package import adopt, package_fixture, write_map  # noqa: F401 - a fixture
@@ -135,3 +137,17 @@ def test_robots_with_the_same_parameters_share_an_entry_and_the_policy_makes_pat
                                 'abort_policy: upstream)')
     made = adopt(path, param={'/a/move_base/abort_policy': 'upstream', '/b/move_base/abort_policy': 'upstream'})
     assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/a/move_base and /b/move_base: controller_patience']
+
+
+@pytest.mark.parametrize('image', ['/home/somebody/maps/walls.pgm', 'C:\\maps\\walls.pgm', 'not_here/walls.pgm'])
+def test_an_image_that_lies_beside_the_map_is_taken_where_the_map_names_another_place(package, file, image):
+    yaml = package('maps/other.yaml', '')
+    with open(yaml.replace('other', 'walls')) as stream:
+        text = stream.read()
+    package('maps/walls.yaml', text.replace('image: walls.pgm', 'image: ' + image))
+    beside = os.path.join(os.path.dirname(yaml), 'walls.pgm')
+    made = adopt(file())
+    assert made.options.param == {**GRID, '/map_server/image': beside} and '/map_server' not in made.options.leave_out
+    assert remarks(made, '/map_server takes {}, which lies beside walls.yaml: the image that '.format(beside))
+    os.unlink(beside)
+    assert '/map_server' in adopt(file()).options.leave_out

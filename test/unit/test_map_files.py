@@ -182,6 +182,14 @@ def test_an_image_that_is_not_there(tmp_path):
     assert refusal(load_map, MapDescription(path, 1.0)) == wanted
 
 
+def test_an_image_that_lies_beside_the_description_is_named(describe, tmp_path):
+    (tmp_path / 'm.pgm').write_bytes(b'P5\n1 1\n255\n\x00')
+    found = describe(image='maps/m.pgm')
+    assert refusal(load_map, found) == ('{0}/maps/m.pgm: cannot be read: No such file or directory; beside the YAML '
+                                        'file there is {0}/m.pgm: correct the image there'.format(tmp_path))
+    assert describe(image='gone.pgm').beside == ''
+
+
 # ---- the whole
 
 def test_a_map_from_its_files(describe, tmp_path):

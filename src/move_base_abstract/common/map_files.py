@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Tuple, TypeVar
 
@@ -41,7 +42,8 @@ class MapDescription:
 
     ``image``: the path of the image, absolute or relative to the working directory; ``resolution``: the side of a cell
     [m]; ``origin``: the pose of the south-west corner; ``rule``: how the image is read; ``warnings``: texts about
-    strange keys and values.
+    strange keys and values; ``beside``: if the image is not there, the path of a file of its name that lies beside the
+    YAML file, or ''.
     """
 
     image: str
@@ -49,6 +51,7 @@ class MapDescription:
     origin: Pose2D = Pose2D()
     rule: ImageRule = ImageRule()
     warnings: Tuple[str, ...] = ()
+    beside: str = ''
 
 
 def read_description(path: StrPath) -> MapDescription:
@@ -70,8 +73,10 @@ def read_description(path: StrPath) -> MapDescription:
                      _choice(document['negate'], path, 'negate', _FLAGS, '0 or 1'),
                      _number(document['occupied_thresh'], path, 'occupied_thresh'),
                      _number(document['free_thresh'], path, 'free_thresh'))
-    return MapDescription(_image_path(document['image'], path), resolution, _origin(document['origin'], path), rule,
-                          tuple(_warnings(document, rule, path)))
+    image = _image_path(document['image'], path)
+    beside = os.path.join(os.path.dirname(path), re.split(r'[/\\]', image)[-1])
+    return MapDescription(image, resolution, _origin(document['origin'], path), rule, tuple(
+        _warnings(document, rule, path)), beside if not os.path.exists(image) and os.path.isfile(beside) else '')
 
 
 def _number(raw: Any, path: StrPath, key: str, above: Optional[float] = None, unit: str = '') -> float:

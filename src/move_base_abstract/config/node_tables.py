@@ -96,6 +96,7 @@ TASK_SOURCE = (
 )
 TASK_SOURCE_INLINE = (INLINE['places'], INLINE['arrivals'], INLINE['orders'])
 MAP_FRAME = Parameter('frame_id', 'map', FRAME, 'Frame of the map.')
+MAP_IMAGE = Parameter('image', None, PATH, 'The image, in the place of that in the YAML file.')
 #: parameters that are read with the old form of map_server's command line
 MAP_OLD_FORM = (
     Parameter('negate', 0, integer(0),

@@ -8,6 +8,7 @@ import numpy as np
 import yaml
 
 from ..common import own_files
+from ..common.errors import ConfigurationError
 from ..common.map_files import MapDescription, read_description, read_pixels
 from ..common.map_images import cells_of_image
 from .occupancy import OccupancyMap
@@ -20,6 +21,9 @@ def load_map(description: MapDescription) -> OccupancyMap:
 
     :raises ConfigurationError: if the image is missing, damaged or in a format that cannot be read.
     """
+    if description.beside:
+        raise ConfigurationError('{}: cannot be read: No such file or directory; beside the YAML file there is {}: '
+                                 'correct the image there'.format(description.image, description.beside))
     return OccupancyMap(cells_of_image(read_pixels(description.image), description.rule), description.resolution,
                         description.origin)
 

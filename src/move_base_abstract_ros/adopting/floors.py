@@ -78,6 +78,14 @@ def why_not_served(words):
     return '' if os.path.isfile(image) else 'the image of its map, {}, is not here'.format(image)
 
 
+def beside(words):
+    """Return the image that lies beside the YAML file of a map_server's map, which names another place, or ''."""
+    try:
+        return read_description(words[0]).beside if words and words[0].endswith(('.yaml', '.yml')) else ''
+    except ConfigurationError:
+        return ''
+
+
 def _described(words):
     """Return (path of the image, resolution [m], origin as Pose2D) of a map."""
     if len(words) > 1 and not words[0].endswith(('.yaml', '.yml')):
@@ -86,7 +94,7 @@ def _described(words):
         except ValueError:
             raise Unknown('the map has no resolution') from None
     found = read_description(words[0])
-    return found.image, found.resolution, found.origin
+    return found.beside or found.image, found.resolution, found.origin
 
 
 def _alike(floor, width, height):

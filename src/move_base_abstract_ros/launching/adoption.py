@@ -120,10 +120,24 @@ class _Adoption:
 
     def _serves_map(self, node):
         from ..adopting import floors  # it needs numpy and Pillow, and few launch files need it
-        why = floors.why_not_served(poses.words_of(node.args))
+        words = poses.words_of(node.args)
+        why = floors.why_not_served(words)
+        if not why and floors.beside(words):
+            why = self._take_image(node, words)
         if why:
             self._leave(node, _short(why), is_loss=True)
         return not why
+
+    def _take_image(self, node, words):
+        """Have our map_server take the image that lies beside the YAML file. Return why another one cannot, or ''."""
+        from ..adopting import floors
+        image, name = os.path.abspath(floors.beside(words)), roles.name_of(node)
+        if roles.program_of(node) is not None:
+            return 'the image that {} names is not here, but {} is: correct it there'.format(words[0], image)
+        self.param[name + '/image'] = image
+        self.remarks.append('{} takes {}, which lies beside {}: the image that this names is not here ({})'.format(
+            name, image, os.path.basename(words[0]), _place(node)))
+        return ''
 
     def _keep_or_leave(self, node, kind):
         word = kind.word

@@ -2,13 +2,14 @@
 
 In lockstep it takes part if the time master's ``participants`` name it, as lockstep_launch does.
 
-Topics (latched): ``map``, ``map_metadata``. Services: ``static_map``, ``change_map``. Parameter: ``~frame_id``; with
-the old form of the command line also ``~negate``, ``~occupied_thresh``, ``~free_thresh``.
+Topics (latched): ``map``, ``map_metadata``. Services: ``static_map``, ``change_map``. Parameters: ``~frame_id``,
+``~image``; with the old form of the command line also ``~negate``, ``~occupied_thresh``, ``~free_thresh``.
 """
 import os
 import sys
 import threading
 import time
+from dataclasses import replace
 
 import rospkg
 import rospy
@@ -23,7 +24,7 @@ from move_base_abstract.common.kinds import as_number, number
 from move_base_abstract.common.map_images import ImageRule
 from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.common.shown import shown_text
-from move_base_abstract.config.node_tables import MAP_FRAME, MAP_OLD_FORM
+from move_base_abstract.config.node_tables import MAP_FRAME, MAP_IMAGE, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description
 from move_base_abstract_ros import lockstep
 from move_base_abstract_ros.clocks.timing import make_timing
@@ -76,13 +77,15 @@ def find_real_map_server():
 def _build(arguments):
     raw = rospy.get_param('~', {})
     where = rospy.get_name()
-    frame_id = read_table(raw, (MAP_FRAME,), where)['frame_id']
+    values = read_table(raw, (MAP_FRAME, MAP_IMAGE), where)
     if len(arguments) == 2:
         rospy.logwarn('%s: IMAGE RESOLUTION is the old form; a YAML file says more', where)
         description = _describe_old_form(arguments, raw, where)
     else:
         description = _describe(arguments[0])
-    return MapServer(frame_id, load_map(description))
+        if values['image']:
+            description = replace(description, image=values['image'], beside='')
+    return MapServer(values['frame_id'], load_map(description))
 
 
 def _describe(path):
