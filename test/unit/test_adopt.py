@@ -393,3 +393,12 @@ def test_a_program_that_reads_a_keyboard_is_left_out_whatever_its_name(package):
       <node pkg="of_a_stranger" type="buttons.py" name="buttons"/></launch>""")
     assert adopt(path).options.leave_out == ('/buttons',)
     assert adopt(path, participant=('/buttons',)).options.leave_out == ()
+
+
+def test_robots_whose_bases_have_prefixes_do_not_share_the_frame_of_their_odometry(package):
+    robot = """<node pkg="move_base" type="move_base" name="move_base" ns="{0}">
+      <param name="global_costmap/robot_base_frame" value="{0}/base_link"/>
+      <param name="local_costmap/global_frame" value="{1}"/></node>"""
+    made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
+        robot.format('a', '/map'), robot.format('b', 'b/wheels'))))
+    assert made.options.param == {'/a/move_base/odom_frame': 'a/odom'}

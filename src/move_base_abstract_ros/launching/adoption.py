@@ -263,14 +263,22 @@ class _Adoption:
                     ' and '.join(same), *pose[:2], self._unless_placed()))
 
     def _frames(self):
-        """Give each robot a tf_prefix, if several robots would have the same frames."""
+        """Give each robot a tf_prefix, or a frame of its odometry, if several robots would have the same frames."""
         for robot in self.robots if len(self.robots) > 1 else ():
             prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
-            frame = self._value(robot.name + '/global_costmap/robot_base_frame', 'base_link')
+            frame = str(self._value(robot.name + '/global_costmap/robot_base_frame', 'base_link')).strip('/')
             has_prefix = any(key in self.config.params for key in (
                 robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'))
-            if prefix and not has_prefix and '/' not in str(frame).strip('/') and prefix not in str(frame):
+            if prefix and not has_prefix and '/' not in frame and prefix not in frame:
                 self.param[robot.name + '/tf_prefix'] = prefix
+            elif not has_prefix and '/' in frame and not self._has_odometry(robot.name):
+                self.param[robot.name + '/odom_frame'] = frame.rpartition('/')[0] + '/odom'
+
+    def _has_odometry(self, name):
+        """Return whether the file says what the frame of a robot's odometry is: not the map's."""
+        said = str(self._value(name + '/local_costmap/global_frame', '')).strip('/')
+        maps = str(self._value(name + '/global_costmap/global_frame', 'map')).strip('/')
+        return name + '/odom_frame' in self.config.params or said not in ('', maps)
 
     def _stage_offsets(self):
         for stage in self.stages:
