@@ -131,9 +131,8 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     """Check a trial's launch file. Add a note for the user to ``notes`` for each kind of node, '' if there is none."""
     from roslaunch.arg_dump import get_args
 
-    from move_base_abstract_ros.launching import given, roles, started
-    from move_base_abstract_ros.launching.plan import launch_options
-    experiment, arguments = trial.experiment, trial.arguments
+    from move_base_abstract_ros.launching import roles
+    experiment = trial.experiment
     path = launch_files.find(trial.launch, experiment.folder)
     # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
     is_tolerant = experiment.adopt or experiment.tolerant
@@ -141,13 +140,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     for name in experiment.args:
         if name not in declared:
             raise unknown('args: the argument', name, declared)
-    try:
-        config = launch_files.read([(path, arguments)], is_tolerant)
-        options = launch_options(trial.run_options)
-        options = launch_files.adopted(config, options) if experiment.adopt else options
-        given.add_to(config, options)
-    except ConfigurationError as error:
-        raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
+    config, options = launch_files.with_options(trial)
     names = [roles.name_of(node) for node in config.nodes]
     for key, nodes in (('participants', experiment.participants or ()), ('participant', experiment.participant),
                        ('onlooker', experiment.onlooker), ('leave_out', experiment.leave_out)):
@@ -158,8 +151,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
         kind = roles.kind_of(node)
         if kind not in notes and name not in experiment.leave_out and kind not in experiment.replace:
             notes[kind] = roles.choice_of_program(node)
-    started.take_away(config, options)
-    started.refuse_missing(config)
+    launch_files.check_programs(config, options)
 
 
 def _run_missing(count: int, missing: List[Trial], folder: outputs.OutputFolder,

@@ -37,33 +37,39 @@ LOST = {('move_base', 'move_base', 'move_base'): 'there is no program move_base/
         ('study_of_others', 'gone.py', 'gone'): 'there is no program study_of_others/gone.py',
         ('of_nobody', 'x', 'other'): 'there is no program of_nobody/x',
         ('study_of_others', 'for_nobody', 'asks'): '{}/for_nobody is a program for /usr/bin/no_such_interpreter, which'}
-WITH_LOST = '<launch>{}'.format(''.join('<node pkg="{}" type="{}" name="{}"/>'.format(*words) for words in LOST))
-ONE_HERE = '<node pkg="study_of_others" type="runs.py" name="runs" required="true"/></launch>'
+NODE = '<node pkg="{}" type="{}" name="{}" required="true"/>'
+WITH_LOST = '<launch>{}'.format(''.join(NODE.format(*words) for words in LOST))
+SOME_HERE = ''.join(NODE.format('study_of_others', name + '.py', name) for name in ('runs', 'old')) + '</launch>'
 
 
 class MissingTest(OwnPackage, unittest.TestCase):
-    FILES = {'runs.py': RUNS, 'for_nobody': '#!/usr/bin/no_such_interpreter\n'}
+    FILES = {'runs.py': RUNS, 'old.py': RUNS.replace('python3', 'python2.1'),
+             'for_nobody': '#!/usr/bin/no_such_interpreter\n'}
 
     def test_a_file_whose_programs_are_not_here_ends_with_all_of_them(self):
-        path = self.write('lost.launch', WITH_LOST + ONE_HERE)
-        for words in ((), ('--list',), ('--onlooker', '/gone')):
-            code, said = self.run_it('lockstep_launch', *words, path)
+        path = self.write('lost.launch', WITH_LOST + SOME_HERE)
+        for program, *words in (('lockstep_launch',), ('lockstep_launch', '--list'),
+                                ('lockstep_launch', '--onlooker', '/gone'), ('chaos', '--seeds', '1'), ('verify',)):
+            code, said = self.run_it(program, *words, path)
             self.assertEqual(code, 2, said)
             for (_package, _type, name), why in LOST.items():
                 self.assertIn('/{}: {}'.format(name, why.format(self.folder)), said)
-            self.assertIn('--tolerant all of these. If the file was written for', said)
+            self.assertNotIn('/old', said)  # the launcher has a Python for it
+            self.assertIn('--tolerant all of these', said)
+            self.assertEqual('If the file was written for' in said, program != 'chaos')
 
     def test_a_tolerant_run_leaves_them_out_if_anything_is_left(self):
-        said, log, _ = self.launch('a.jsonl', '--tolerant', self.write('lost.launch', WITH_LOST + ONE_HERE))
-        self.assertIn('1 of 1 nodes take part: /runs\n', said)
-        self.assertIn('lockstep_launch: /gone is left out: there is no program study_of_others/gone.py\n', said)
+        said, log, _ = self.launch('a.jsonl', '--tolerant', self.write('lost.launch', WITH_LOST + SOME_HERE))
+        self.assertIn('2 of 2 nodes take part: /runs, /old\n', said)
+        self.assertIn('lockstep_launch: /gone is left out: there is no program study_of_others/gone.py; it is '
+                      'required, so the run would have ended with it: --end-when-idle or --until S ends it\n', said)
         self.assertTrue(log.end['repeatable'])
         code, said = self.run_it('lockstep_launch', '--tolerant', self.write('lost.launch', WITH_LOST + '</launch>'))
         self.assertEqual((code, 'no node of this launch file can take part' in said), (2, True), said)
 
     def test_an_experiment_ends_with_them_before_its_first_trial(self):
         self.write('lost.yaml', EXPERIMENT.replace('of_others', 'lost'))
-        for text, why in ((WITH_LOST + ONE_HERE, '/gone: there is no program study_of_others/gone.py'), (
+        for text, why in ((WITH_LOST + SOME_HERE, '/gone: there is no program study_of_others/gone.py'), (
                 '<launch><include file="$(find of_nobody)/a.launch"/></launch>', 'the package of_nobody is not found')):
             self.write('lost.launch', text)
             code, said = self.run_it('experiment', 'run', 'lost.yaml', '-o', 'out', '--workers', '1')

@@ -14,7 +14,7 @@ from move_base_abstract.properties import Judgement
 from move_base_abstract.runs.built_in import ALL
 
 from ..carrying import jobs
-from ..description import plan, spec
+from ..description import launch_files, plan, spec
 from ..description.job import Job
 from ..results import outputs
 from ..trials.run_folders import LOG
@@ -63,6 +63,7 @@ class Runs:
         self._delay = delay
         self._wanted = wanted
         trial, = plan.trials(spec.checked(document, folder))
+        launch_files.check_programs(*launch_files.with_options(trial))
         self._job = jobs.make_job(trial)
         self._idle: Any = queue.LifoQueue()  # of warm processes, and of None for each that was not needed yet
         self._all: List[jobs.WarmProcess] = []

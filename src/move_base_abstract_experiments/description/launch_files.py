@@ -5,9 +5,12 @@ import json
 import os
 import re
 import xml.etree.ElementTree
-from typing import Any, List, Match, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, List, Match, Sequence, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from .trial import Trial
 
 NAME = 'programs.json'
 _FIND = re.compile(r'\$\(find ([A-Za-z][\w-]*)\)')
@@ -26,6 +29,35 @@ def read(files: List[Tuple[str, Sequence[str]]], is_tolerant: bool = False) -> A
         raise ConfigurationError(f'the package {error.args[0]} is not found here; is its workspace sourced?') from None
     except RLException as error:
         raise ConfigurationError(str(error)) from None
+
+
+def with_options(trial: Trial) -> Tuple[Any, Any]:
+    """Return roslaunch's configuration of a trial's launch file, with what its options add, and the options of its run.
+
+    :raises ConfigurationError: if it cannot be run like this.
+    """
+    from move_base_abstract_ros.launching import given
+    from move_base_abstract_ros.launching.plan import launch_options
+    experiment, arguments = trial.experiment, trial.arguments
+    path = find(trial.launch, experiment.folder)
+    try:
+        config = read([(path, arguments)], experiment.adopt or experiment.tolerant)
+        options = launch_options(trial.run_options)
+        options = adopted(config, options) if experiment.adopt else options
+        given.add_to(config, options)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"launch, with {' '.join(arguments) or 'no arguments'}: {error}") from None
+    return config, options
+
+
+def check_programs(config: Any, options: Any) -> None:
+    """Take away the nodes of with_options() that are not started.
+
+    :raises ConfigurationError: if programs are missing.
+    """
+    from move_base_abstract_ros.launching import started
+    started.take_away(config, options)
+    started.refuse_missing(config, options)
 
 
 def arguments_of(path: str) -> List[str]:

@@ -9,7 +9,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from ..adopting import kinds, poses, reading, robots, served
 from ..loopback import PACKAGE
 from ..process.own_parameters import INHERITED
-from . import given, programs, roles, start_poses, what_counts
+from . import given, programs, roles, start_poses, started, what_counts
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
@@ -188,8 +188,8 @@ class _Adoption:
     def _leave(self, node, why, is_loss=False):
         name = roles.name_of(node)
         self.left_out.append(name)
-        (self.remarks if is_loss else self.done).append('{} ({}/{}) is left out: {} ({})'.format(
-            name, node.package, node.type, why, _place(node)))
+        (self.remarks if is_loss else self.done).append('{} ({}/{}) is left out: {}{} ({})'.format(
+            name, node.package, node.type, why, started.end_of(node) if is_loss else '', _place(node)))
 
     def _robots(self):
         for robot in self.robots:

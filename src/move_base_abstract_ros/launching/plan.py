@@ -143,7 +143,7 @@ def plan_of(config, options):
     left_out, more = started.take_away(config, options)
     notes += more
     _refuse_other_clocks(config, options.kept)
-    started.refuse_missing(config)
+    started.refuse_missing(config, options)
     fleets = _fleets(config)
     notes += _split(config, fleets, options.parts)
     notes += start_poses.notes_of(config, said, not options.is_told)

@@ -5,7 +5,7 @@ from roslaunch.node_args import NodeParamsException
 from move_base_abstract.common.errors import ConfigurationError
 
 from ..loopback import PACKAGE
-from . import given, roles
+from . import given, programs, roles
 
 _STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}
 
@@ -24,7 +24,7 @@ def take_away(config, options):
     replaced = _replace(config, options.replace)
     notes += [] if options.is_told else replaced
     _take_real_map_server(config)
-    return left_out, notes + (_without_missing(config) if options.tolerant else [])
+    return left_out, notes + (_without_missing(config, options) if options.tolerant else [])
 
 
 def _check_names(config, options):
@@ -69,32 +69,48 @@ def _without_windows(config, options):
     return notes
 
 
-def _without_missing(config):
+def _without_missing(config, options):
     """Take away the nodes whose programs are not here. Return lines about them for the user."""
-    missing = _missing(config)
+    missing = _missing(config, options)
     config.nodes[:] = [node for node in config.nodes if node not in [one for one, _why in missing]]
-    return ['{} is left out: {}'.format(roles.name_of(node), why) for node, why in missing]
+    return ['{} is left out: {}{}'.format(roles.name_of(node), why, end_of(node)) for node, why in missing]
 
 
-def refuse_missing(config):
+def end_of(node):
+    """Return a text about the end of a run without this node, which the user did not leave out."""
+    return '; it is required, so the run would have ended with it: --end-when-idle or --until S ends it' * bool(
+        node.required)
+
+
+def refuse_missing(config, options):
     """Raise ConfigurationError if programs of the configuration are not here; it names all of them."""
-    missing = ['{}: {}'.format(roles.name_of(node), why) for node, why in _missing(config)]
+    missing = ['{}: {}'.format(roles.name_of(node), why) for node, why in _missing(config, options)]
     if missing:
         raise ConfigurationError(
             'nothing is started, because programs are not here: {}. Build their packages and source the workspace; '
             'or --leave-out NODE leaves out a node, and --tolerant all of these'.format('; '.join(missing)))
 
 
-def _missing(config):
-    """Return [(node, why)] of the nodes of this computer whose programs cannot be started here."""
+def _missing(config, options):
+    """Return [(node, why)] of the nodes of this computer whose programs cannot be started here.
+
+    A participant needs no interpreter of its own: the launcher starts it.
+    """
     found = []
     for node in config.nodes:
         if is_machine_local(node.machine):
             try:
                 roles.command_of(node)
             except (NodeParamsException, ValueError) as error:
-                found.append((node, _in_words(node, error)))
+                if not _is_for_launcher(node, options):
+                    found.append((node, _in_words(node, error)))
     return found
+
+
+def _is_for_launcher(node, options):
+    path = roles.program_of(node)
+    return path is not None and programs.missing_interpreter(path) and roles.role_of(
+        node, options.participant, options.onlooker, options.no_respawn).takes_part
 
 
 def _in_words(node, error):
