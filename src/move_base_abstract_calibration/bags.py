@@ -12,7 +12,7 @@ from move_base_abstract.common.shown import shown_text
 from move_base_abstract.motion.geometry import quaternion_fault
 
 from .bag_track import BROKEN, Track, pose_of, quaternion_of, stamp
-from .checks import shown_twice
+from .checks import shown_twice, times_of_two_runs
 from .legs import RecordedLeg
 
 if TYPE_CHECKING:
@@ -33,6 +33,8 @@ def read_legs(path: str, pose_topic: Optional[str] = None) -> Tuple[List[Recorde
     try:
         check_input(path, what='bag')
         with rosbag.Bag(path) as bag:
+            for index in bag._get_indexes(None):
+                index.sort(key=lambda entry: entry.time.to_nsec())  # rosbag takes the parts of a file to be in order
             return _read(bag, str(path), pose_topic)
     except ConfigurationError:
         raise
@@ -147,12 +149,13 @@ class _Action:
 def _twice(bag: Any, topics: Sequence[str]) -> List[Tuple[float, float]]:
     """Return [(low, high)]: the spans of time [s] that the clock has shown twice, by the messages of each topic.
 
-    Such spans show in stamps that go back. If the recorder used the same clock, they show in the order of the file.
+    Such spans show in stamps that go back. If the recorder used the same clock, they show in the order of the file,
+    where two runs of that clock have times in common.
     """
     found: List[Tuple[float, float]] = []
     for topic in topics:
-        found += shown_twice([stamp(message.header, time) for _, message, time in bag.read_messages(topics=[topic])])
-        # rosbag sorts by time, and has no public function for the order in the file.
+        found += shown_twice(stamp(message.header, time) for _, message, time in bag.read_messages(topics=[topic]))
+        # We have sorted the indexes, and rosbag has no public function for the order in the file.
         entries = [entry for index in bag._get_indexes(bag._get_connections([topic])) for entry in index]
-        found += shown_twice([entry.time.to_sec() for entry in sorted(entries, key=lambda entry: entry.position)])
+        found += times_of_two_runs(entry.time.to_sec() for entry in sorted(entries, key=lambda entry: entry.position))
     return found

@@ -70,6 +70,26 @@ def shown_twice(times: Iterable[float]) -> List[Tuple[float, float]]:
     return found
 
 
+def times_of_two_runs(times: Iterable[float]) -> List[Tuple[float, float]]:
+    """Return [(low, high)]: spans of time with those that two runs of a clock have in common.
+
+    ``times`` [s]: in the order as they came; where they go back, another run begins. Messages that are only out of
+    order, such as a later part of a bag that was written first, are runs that have nothing in common.
+    """
+    runs: List[Tuple[float, float]] = []
+    for time in times:
+        if runs and time >= runs[-1][1] - _BACK:
+            runs[-1] = runs[-1][0], max(time, runs[-1][1])
+        else:
+            runs.append((time, time))
+    found, highest = [], -math.inf
+    for low, high in sorted(runs):
+        if low + _BACK < min(high, highest):
+            found.append((low, highest))
+        highest = max(high, highest)
+    return found
+
+
 def _doubts(legs: Sequence[RecordedLeg]) -> Iterator[str]:
     """Yield the fault of each leg: a key of DOUBTS, or ''."""
     back = _sent_twice(legs)

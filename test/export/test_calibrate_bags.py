@@ -247,6 +247,20 @@ def test_a_clock_that_starts_anew_spoils_what_lies_in_its_times(tmp_path, record
     assert set(doubts(tmp_path / 'run.bag')) == {'clock_back'}
 
 
+@pytest.mark.parametrize('order', [
+    lambda rows: rows[::-1], lambda rows: rows[len(rows) // 2:] + rows[:len(rows) // 2],
+    lambda rows: sorted(rows, key=lambda row: row[0], reverse=True)], ids=['backwards', 'halves', 'by topic'])
+def test_a_bag_whose_messages_are_out_of_order_is_read_by_time(tmp_path, order):
+    write(tmp_path / 'run.bag')
+    expected = read_legs(tmp_path / 'run.bag')
+    with rosbag.Bag(str(tmp_path / 'run.bag')) as bag:
+        rows = list(bag.read_messages())
+    with rosbag.Bag(str(tmp_path / 'run.bag'), 'w', chunk_threshold=4000) as bag:
+        for topic, message, time in order(rows):
+            bag.write(topic, message, time)
+    assert read_legs(tmp_path / 'run.bag') == expected
+
+
 def test_poses_of_another_robot_in_the_namespace_leave_none_of_its_legs(tmp_path):
     def add(topic, message, time):
         if topic != '/bot/odom':
