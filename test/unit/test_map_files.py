@@ -1,6 +1,8 @@
 """Maps from files: what the YAML may say, which images can be read, and what is said about those that cannot."""
 
 import os
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -149,6 +151,24 @@ def test_png_of_all_kinds(pixels):
     palette.putpalette([255, 254, 253, 0, 1, 2])
     assert pixels(palette) == [[[255, 254, 253], [0, 1, 2]]]
     assert pixels(palette, transparency=1) == [[[255, 254, 253, 255], [0, 1, 2, 0]]]
+
+
+def png(bits, colour, row, chunks=b''):
+    def chunk(kind, data):
+        return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
+    head = struct.pack('>IIBBBBB', 8 * len(row) // bits, 1, bits, colour, 0, 0, 0)
+    return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + b''.join(chunk(*one) for one in chunks) + chunk(
+        b'IDAT', zlib.compress(b'\0' + row)) + chunk(b'IEND', b'')
+
+
+@pytest.mark.parametrize('image, expected', [
+    (png(1, 0, b'\xa5'), [[255], [0], [255], [0], [0], [255], [0], [255]]),
+    (png(2, 0, b'\x1b'), [[0], [85], [170], [255]]), (png(4, 0, b'\x3f'), [[51], [255]]),
+    (png(16, 0, b'\x01\xc8\xc8\x01'), [[1], [200]]),
+    (png(8, 3, b'\0\1\2', [(b'PLTE', bytes([255] * 3 + [0] * 3 + [205, 206, 207])), (b'tRNS', b'\0\x80')]),
+     [[255, 255, 255, 0], [0, 0, 0, 128], [205, 206, 207, 255]])])
+def test_png_as_the_image_library_of_the_real_one_loads_it(pixels, image, expected):
+    assert pixels(image) == [expected]
 
 
 def test_16_bits_lose_the_lower_8_in_png_and_are_refused_in_pgm(pixels):
