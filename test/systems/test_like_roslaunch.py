@@ -6,8 +6,12 @@ import signal
 import socket
 import subprocess
 import unittest
+from types import SimpleNamespace
 
 from own_folder import OwnPackage
+
+from move_base_abstract_ros.launching import roles
+from move_base_abstract_ros.loopback import find_executable
 
 GUARD = 40.0  # s, wall
 DUMP = """#!/usr/bin/env python3
@@ -146,6 +150,15 @@ class LikeRoslaunch(OwnPackage, unittest.TestCase):
         for node, seen in expected.items():
             self.assertEqual(found[node], seen, node)
         self.assertEqual(expected['folder']['folder'], self.folder)
+
+    def test_where_roslaunch_starts_no_node_the_folder_is_the_programs(self):
+        node = SimpleNamespace(package='move_base_abstract', type='fleet')
+        program, launcher = roles.program_of(node), find_executable('lockstep')
+        for words in (['nice', '-n', '2', program], [launcher, '--seed', '0', 'env', 'A=1', program],
+                      [launcher, '--sleep', 'wall', program]):
+            self.assertEqual(roles.folder_of(node, words, launcher), os.path.dirname(program))
+        self.assertEqual(roles.folder_of(node, [launcher, '--seed', '0', '/usr/bin/python3', program], launcher),
+                         '/usr/bin')
 
 
 if __name__ == '__main__':
