@@ -57,7 +57,7 @@ class FollowedTest(unittest.TestCase):
         self.assertEqual(self.said[6], [
             (2020, 1, 1, 0, 0, 2), 2, '20', 'Wed Jan  1 00:00:02 2020', '2020', '02', '2020',
             '2020-01-01 00:00:02.500000+00:00', '2020-01-01 00:00:02.500000', 2, 500000, 2020, 0, '02e10b5e',
-            'Wed, 01 Jan 2020 00:00:02 -0000'])
+            'Wed, 01 Jan 2020 00:00:02 -0000', '2020-01-01 00:00:02', '2020-01-01 00:00:02.500000'])
 
     def test_chance_depends_on_the_seed_and_on_the_nodes_name_and_never_repeats_itself(self):
         seed_7 = run_programs({'sources': [['--seed', '7'], 'sources.py']}, until=30.0)

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, KEPT, SHOWING, SHOWN, ask
+from move_base_abstract.lockstep.call_rewriting import ASK, FILE_TIME, HASHED, KEPT, SHOWING, SHOWN, ask, ask_present
 from move_base_abstract.lockstep.stable_hash import Address
 
 
@@ -26,6 +26,13 @@ def test_a_date_of_the_present_is_handed_on_under_any_name(text):
     names, asked, _hashed = run(text)
     assert asked == [datetime.datetime.now]  # noqa: TID251 - not called
     assert isinstance(names['now'], datetime.datetime)
+
+
+def test_in_a_library_only_dates_of_the_present_are_handed_on():
+    asked = []
+    text = 'from datetime import datetime\nread = datetime.now\nx = id(read), hash(read), repr(read), read()'
+    exec(compile(ask_present(ast.parse(text)), 'text', 'exec'), {ASK: lambda what: asked.append(what) or what})
+    assert asked == [datetime.datetime.now]  # noqa: TID251 - not called
 
 
 @pytest.mark.parametrize('text', ['x = id(a)', 'sorted([a], key=id)', "x = '%d' % id(a)", 'x = id(a) % 7',

@@ -19,7 +19,8 @@ KEPT, SHOWN, SHOWING = '__lockstep_kept__', '__lockstep_shown__', '__lockstep_sh
 #: likewise, for ``compile``; ``TEXT(source, 'exec' or 'eval', globals or None)`` for texts that the program runs
 COMPILING, TEXT = '__lockstep_compiling__', '__lockstep_text__'
 #: attributes whose values are handed to ASK
-ATTRIBUTES = frozenset(('now', 'utcnow', 'today', 'get_ident'))
+MOMENTS = frozenset(('now', 'utcnow', 'today'))
+ATTRIBUTES = MOMENTS | {'get_ident'}
 #: attributes of the results of os.stat and the like: when a file was written, read or changed
 FILE_TIMES = frozenset(('st_{}time{}'.format(which, unit) for which in 'mac' for unit in ('', '_ns')))
 #: functions that return an address
@@ -43,6 +44,18 @@ def ask(tree: ast.Module) -> ast.Module:
     """Make a module's ``tree`` (of :func:`ast.parse`) call :data:`ASK`, HASHED and FILE_TIME; return it."""
     changed: ast.Module = _Asking().visit(tree)
     return ast.fix_missing_locations(changed)
+
+
+def ask_present(tree: ast.Module) -> ast.Module:
+    """Make the ``tree`` of a library's module call :data:`ASK` where it may ask for the present; return it."""
+    changed: ast.Module = _Present().visit(tree)
+    return ast.fix_missing_locations(changed)
+
+
+class _Present(ast.NodeTransformer):
+    def visit_Attribute(self, node: ast.Attribute) -> Union[ast.Attribute, ast.Call]:  # noqa: N802
+        self.generic_visit(node)
+        return _handed(ASK, node) if isinstance(node.ctx, ast.Load) and node.attr in MOMENTS else node
 
 
 class _Asking(ast.NodeTransformer):

@@ -13,7 +13,7 @@ from move_base_abstract.lockstep.task import TurnLost
 
 from ..replacing import rospy_start
 from ..replacing.replaced import replace
-from .code import objects, own_code, turns
+from .code import callers, objects, own_code, turns
 from .code.labels import told
 from .exchange import access
 from .machine import arenas, chance, clocks, identity, sqlite, unrepeatable_calls
@@ -50,7 +50,7 @@ def run(kind: str, path: str, arguments: Sequence[str], options: argparse.Namesp
                  lambda _source: {})
         return
     threads.replace_locks()
-    own_code.install()
+    own_code.install(callers.is_of_program)
     entry = _Joining(options, node_name(kind, path, arguments))
     _watch(options, binary.node_name(path, arguments, os.environ), entry.early)
     entry.install()

@@ -22,6 +22,7 @@ import types
 from importlib.machinery import SourceFileLoader
 
 import actionlib  # noqa: F401
+import numpy
 import rosgraph
 import rospy
 
@@ -43,6 +44,8 @@ def contents():
                 add(found, '{}.{}'.format(name, key), value, name)
     for name in ('excepthook', 'unraisablehook'):
         found['sys.' + name] = identity(getattr(sys, name))
+    for name in ('empty', 'empty_like'):
+        found['numpy.' + name] = identity(getattr(numpy, name))
     for name in ('exec_module', 'get_code'):
         found['importlib.machinery.SourceFileLoader.' + name] = identity(getattr(SourceFileLoader, name))
     return found

@@ -16,6 +16,7 @@ import secrets
 import select
 import shutil
 import sqlite3
+import sys
 import tempfile
 import threading
 import time
@@ -26,6 +27,9 @@ from time import monotonic, strftime
 import numpy as np
 import rospy
 from std_msgs.msg import String
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'dist-packages'))
+from dated import present  # noqa: E402
 
 
 class Clock:
@@ -44,7 +48,8 @@ def dated():
     return [time.gmtime()[:6], time.localtime()[5], time.ctime()[-2:], time.asctime(time.gmtime()), time.asctime()[-4:],
             time.strftime('%S'), strftime('%Y', time.gmtime()), str(datetime.now(utc)), str(dates.datetime.utcnow()),
             datetime.now().second, datetime.today().microsecond, date.today().year, datetime.now(tz=utc).minute,
-            gzip.compress(b'x')[4:8].hex(), email.utils.formatdate()]
+            gzip.compress(b'x')[4:8].hex(), email.utils.formatdate(),
+            str(email.utils.localtime())[:19], present()]
 
 
 def drawn():

@@ -1,6 +1,7 @@
 """The program's own code, which is compiled with calls that tell lockstep what it must know.
 
-These calls are at its loops, its classes and its sets, and where it asks the machine.
+These calls are at its loops, its classes and its sets, and where it asks the machine. Libraries get such calls only
+where they may ask for the present date.
 
 A file is the program's own if it lies neither in Python's library nor in a folder of packages (site-packages,
 dist-packages), and is not part of a distribution that is installed elsewhere. Files in the folder of packages of a
@@ -17,13 +18,14 @@ import os
 import re
 import sys
 import sysconfig
+import types
 from functools import lru_cache
-from typing import Any, Callable, Dict, FrozenSet, Set, Union
+from typing import Any, Callable, Dict, FrozenSet, Iterator, Set, Union
 
 import rospy
 
 import move_base_abstract
-from move_base_abstract.lockstep.call_rewriting import COMPILING, TEXT, ask
+from move_base_abstract.lockstep.call_rewriting import COMPILING, MOMENTS, TEXT, ask, ask_present
 from move_base_abstract.lockstep.instrument import dotted, hand_over_called, instrument
 from move_base_abstract.lockstep.object_order import follow_order
 
@@ -94,18 +96,52 @@ def _listed(path: str) -> Set[str]:
         return set()
 
 
-def install() -> None:
-    """Compile the program's own code with the added calls, from now on: modules, and texts that it compiles itself."""
-    replace('importlib.machinery.SourceFileLoader.get_code', _loading)
+def install(sees_run: Callable[[str], bool]) -> None:
+    """Compile the program's own code with the added calls, from now on: modules, and texts that it compiles itself.
+
+    ``sees_run(file)`` says whether the code of a library sees the run's date.
+    """
+    for module in list(sys.modules.values()):
+        path = getattr(module, '__file__', None) or ''
+        if path.endswith('.py') and sees_run(path):
+            _give_date(module, path)
+    replace('importlib.machinery.SourceFileLoader.get_code', lambda get_code: _loading(get_code, sees_run))
     setattr(builtins, COMPILING, _compiling)
     setattr(builtins, TEXT, _text)
 
 
-def _loading(get_code: Callable[..., Any]) -> Callable[..., Any]:
+def _give_date(module: Any, path: str) -> None:
+    """Give the functions of a module that was loaded before the code that asks for the run's date."""
+    functions = [one for one in vars(module).values() if type(one) is types.FunctionType
+                 and one.__module__ == module.__name__ and MOMENTS.intersection(one.__code__.co_names)]
+    if functions:
+        with open(path, 'rb') as stream:
+            codes = {(code.co_name, code.co_firstlineno): code for code in _codes(_asking_present(stream.read(), path))}
+        for one in functions:
+            one.__code__ = codes.get((one.__code__.co_name, one.__code__.co_firstlineno), one.__code__)
+
+
+def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
+    """Yield a module's code, and that of all that is in it."""
+    yield code
+    for one in code.co_consts:
+        if isinstance(one, types.CodeType):
+            yield from _codes(one)
+
+
+def _asking_present(source: bytes, path: str) -> Any:
+    return compile(ask_present(ast.parse(source, path)), path, 'exec', dont_inherit=True)
+
+
+def _loading(get_code: Callable[..., Any], sees_run: Callable[[str], bool]) -> Callable[..., Any]:
     """Return ``get_code`` of the loader of modules that are files, however the program finds them."""
     def load(self: Any, fullname: str) -> Any:
         path = self.get_filename(fullname)
-        return get_code(self, fullname) if is_library(path) else compile_own(self.get_data(path), path)
+        if not is_library(path):
+            return compile_own(self.get_data(path), path)
+        code = get_code(self, fullname)
+        asks = sees_run(path) and any(MOMENTS.intersection(one.co_names) for one in _codes(code))
+        return _asking_present(self.get_data(path), path) if asks else code
     return load
 
 

@@ -40,12 +40,17 @@ def tell(_event):
         os.write(writer, b'x')
 
 
+def read():
+    with open(sys.argv[1]) as fifo:
+        fifo.read()
+
+
 def locks():
     with lock:
         print('locked', flush=True)
 
 
-for wait in (told, sys.stdin.readline, lambda: open(sys.argv[1]).read(), server.accept, multiprocessing.Queue().get, locks):
+for wait in (told, sys.stdin.readline, read, server.accept, multiprocessing.Queue().get, locks):
     threading.Thread(target=wait, daemon=True).start()
 rospy.Timer(rospy.Duration(1), tell)
 rospy.on_shutdown(lambda: os._exit(0))
