@@ -146,13 +146,6 @@ def test_the_drawn_part_of_an_image_is_what_stage_stretches(package):
     assert [*made.options.start.values()][0][:2] == (2.0, 2.5)
 
 
-def test_stage_names_robots_as_the_world_does_if_asked(package):
-    write_map(package)
-    made = adopt(write_stage(package, '2.0 1.5 0 0', options='-g -u', names=('bob', 'alice')))
-    assert tuple(made.options.start.items()) == (('/bob/move_base', (-1.0, 1.0, math.pi)),
-                                  ('/alice/move_base', (1.0, 2.0, math.pi / 2)))
-
-
 def test_a_map_that_is_not_the_floor_plans_is_said_and_places_stay_as_they_are(package):
     write_map(package, columns=50)
     made = adopt(write_stage(package, '2.0 1.5 0 0'))

@@ -83,3 +83,10 @@ def test_a_robot_whose_place_is_no_number_keeps_its_place_in_the_order(package):
     made = adopt(write_stage(package, '0 0 0 0', first='nan 2.0 0 90.0'))
     assert dict(made.options.start) == {'/robot_1/move_base': pytest.approx((1.0, 2.5, math.pi))}
     assert any(line.startswith('/robot_0/move_base starts at (0, 0, 0): ') for line in made.remarks)
+
+
+def test_stage_names_robots_as_the_world_does_if_asked(package):
+    write_map(package)
+    made = adopt(write_stage(package, '2.0 1.5 0 0', options='-g -u', names=('bob', 'alice')))
+    assert tuple(made.options.start.items()) == (('/bob/move_base', (-1.0, 1.0, math.pi)),
+                                  ('/alice/move_base', (1.0, 2.0, math.pi / 2)))
