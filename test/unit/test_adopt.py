@@ -374,6 +374,17 @@ def test_robots_whose_maps_have_frames_of_their_own_start_in_these(package):
     assert not any('start at one place' in line for line in made.remarks)
 
 
+@pytest.mark.parametrize(('owner', 'expected'), [('of_a_stranger', (0.0, 0.0, 0.0)), ('amcl', (0.0, -2.0, 0.0))])
+def test_a_place_that_a_program_sets_in_the_simulator_is_one_of_its_world(package, owner, expected):
+    robot = """<group ns="{0}"><node pkg="move_base" type="move_base" name="move_base">
+        <param name="global_costmap/global_frame" value="{0}/map"/></node>
+      <node pkg="{1}" type="setter" name="setter"><param name="initial_pose_y" value="{2}"/></node></group>
+      <node pkg="tf" type="static_transform_publisher" name="f{0}" args="0 {2} 0 0 0 0 world {0}/map 9"/>"""
+    made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
+        robot.format('a', owner, 1), robot.format('b', owner, -2))))
+    assert made.options.start['/b/move_base'] == expected
+
+
 def test_a_nodelet_that_stands_alone_and_is_not_here_is_left_out(package):
     made = adopt(package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
       <node pkg="nodelet" type="nodelet" name="sync" args="standalone of_nobody/sync"/></launch>"""))

@@ -75,6 +75,11 @@ def kind_of(package, name):
     return Kind(ELSE)
 
 
+def is_localizer(package):
+    """Return whether a package's nodes say where the robot is, as far as its name shows."""
+    return kind_of(package, '').why == _PLACE
+
+
 def looks_like_a_clock(name):
     """Return whether a program is only a clock, as far as its name shows."""
     return _CLOCK.fullmatch(name) is not None

@@ -28,7 +28,8 @@ class Hint(NamedTuple):
     ``source``: LOCALIZER (a pose in the map's frame), STAGE (in Stage's world), SPAWNED (in Gazebo's world), FRAME (the
     pose of the odometry frame in the map's frame). ``pose``: (x, y, yaw) [m, m, rad]. ``names``: possible names of the
     robot. ``is_robot``: whether it is certainly a robot, and not a thing. ``who``: the part of the file that gives the
-    place; ``place``: where that part is in the file.
+    place; ``place``: where that part is in the file. ``in_world``: whether it is a pose in a simulator's world, and not
+    in a robot's map, if these differ.
     """
 
     source: str
@@ -38,6 +39,7 @@ class Hint(NamedTuple):
     who: str
     place: str = ''
     is_robot: bool = True
+    in_world: bool = False
 
     @property
     def shown(self):
@@ -86,7 +88,7 @@ def is_of_place(key):
 
 def _of_parameters(config):
     """Yield the Hints for localizers: parameters whose names end in initial_pose_x, _y, _a, in any namespace."""
-    places = {name_of(node): node.filename or '' for node in config.nodes}
+    nodes = {name_of(node): node for node in config.nodes}
     found = {}
     for key, param in config.params.items():
         parts = _INITIAL.fullmatch(key)
@@ -95,10 +97,11 @@ def _of_parameters(config):
             found.setdefault((parts.group(1), parts.group(2)), [0.0] * 3)[_AXES[parts.group(3)]] = value
     for (above, prefix), pose in found.items():
         owner = above.rstrip('/') or '/'
-        namespace = owner.rpartition('/')[0] + '/' if owner in places else owner
+        node = nodes.get(owner)
+        namespace = owner.rpartition('/')[0] + '/' if node else owner
         names = tokens(owner, prefix, owner.rpartition('/')[2].replace('amcl', '').strip('_'))
         yield Hint(LOCALIZER, tuple(pose), absolute(namespace), names, '{}{}initial_pose_*'.format(above, prefix),
-                   places.get(owner, ''))
+                   node and node.filename or '', in_world=node is not None and not kinds.is_localizer(node.package))
 
 
 def _of_spawner(node):
@@ -109,7 +112,7 @@ def _of_spawner(node):
     named = [after for word, after in zip(words, words[1:]) if word in ('-model', '-robot_namespace', '-entity')]
     namespace = next((after for word, after in zip(words, words[1:]) if word == '-robot_namespace'), node.namespace)
     yield Hint(SPAWNED, pose, absolute(namespace), tokens(node.namespace, *named, node.name or ''),
-               'the spawner {}'.format(name_of(node)), node.filename or '', _is_robot(words))
+               'the spawner {}'.format(name_of(node)), node.filename or '', _is_robot(words), in_world=True)
 
 
 def _is_robot(words):
@@ -207,7 +210,7 @@ def _of_include(one):
         source = LOCALIZER if 'amcl' in base or any('initial' in name for name, _ in one.arguments) else SPAWNED
         namespace = absolute(named[0]) if named and one.namespace == '/' else one.namespace
         yield Hint(source, tuple(pose), absolute(namespace), tokens(one.namespace, *named),
-                   'the arguments for {}'.format(base), one.place)
+                   'the arguments for {}'.format(base), one.place, in_world=source == SPAWNED)
 
 
 def _flags(words):

@@ -204,7 +204,7 @@ def _offset(stages):
 def in_map(hint, offset, robot):
     """Return the pose of a hint in a robot's map frame. ``offset``: that frame's pose in Stage's world, or None."""
     x, y, yaw = hint.pose
-    offset = offset if hint.source == poses.STAGE else robot.map_pose if hint.source == poses.SPAWNED else None
+    offset = offset if hint.source == poses.STAGE else robot.map_pose if hint.in_world else None
     if offset and any(offset):
         x, y = worlds.turned(x - offset[0], y - offset[1], -offset[2])
         x, y, yaw = round(x, 9) + 0.0, round(y, 9) + 0.0, math.remainder(yaw - offset[2], 2 * math.pi)
