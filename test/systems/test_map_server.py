@@ -119,6 +119,14 @@ class MapServer(unittest.TestCase):
         self.start(path, image=os.path.join(self.folder, 'm.pgm'))
         self.assertEqual(tuple(self.grid().data), CELLS)
 
+    def test_the_floor_plan_of_a_world_of_stage_is_a_map_in_its_frame(self):
+        self.start(self.write('one.world', 'floorplan ( bitmap "m.pgm" size [ 1.5 1.0 1 ] pose [ 2.75 4 0 0 ] )\n'))
+        grid = self.grid()
+        self.assertEqual((grid.data, grid.info.resolution), ((0, 0, 100, 100, 0, 0), 0.5))
+        self.assertEqual((grid.info.origin.position.x, grid.info.origin.position.y), (2.0, 3.5))
+        self.namespace = '/' + next(_names)
+        self.refused((self.write('none.world', 'floorplan ( size [ 1 1 1 ] )\n'),), 'none.world', 'no floor plan')
+
     def test_frame_id_and_an_unknown_key(self):
         process = self.start(self.describe(modes='raw'), frame_id='field')
         self.assertEqual(self.grid().header.frame_id, 'field')

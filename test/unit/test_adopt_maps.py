@@ -1,9 +1,15 @@
 """A map in a launch file of others counts, as with upstream's planner; parameters without an effect are named."""
+import math
 import os
+from types import SimpleNamespace
 
 import pytest
+from roslaunch.core import Node
 
-from strangers_package import adopt, package_fixture, write_map  # noqa: F401 - a fixture
+from move_base_abstract.common.geometry import Pose2D
+from move_base_abstract_ros.adopting import floors
+from move_base_abstract_ros.launching import started
+from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 SERVER = '<node pkg="map_server" type="map_server" name="map_server" args="$(dirname)/../maps/walls.yaml"/>'
 FILE = """<launch>
@@ -151,3 +157,56 @@ def test_an_image_that_lies_beside_the_map_is_taken_where_the_map_names_another_
     assert remarks(made, '/map_server takes {}, which lies beside walls.yaml: the image that '.format(beside))
     os.unlink(beside)
     assert '/map_server' in adopt(file()).options.leave_out
+
+
+def without_map(path):
+    """Take the map_server out of a launch file."""
+    with open(path) as stream:
+        text = [line for line in stream if 'pkg="map_server"' not in line]
+    with open(path, 'w') as stream:
+        stream.writelines(text)
+    return path
+
+
+def test_without_a_map_the_floor_plan_of_stages_world_is_the_map_in_the_frame_of_that_world(package):
+    write_map(package)
+    path = without_map(write_stage(package, '10.0 20.0 0 0'))
+    made = adopt(path)
+    world = os.path.normpath(os.path.dirname(path) + '/../worlds/two.world')
+    (name, added), = made.options.add.items()
+    assert (name, os.path.normpath(added.split()[1])) == ('/map_server', world)
+    assert added.split()[0] == 'move_base_abstract/map_server'
+    assert made.options.start['/robot_0/move_base'] == (1.0, 2.0, math.pi / 2)
+    assert made.options.param['/robot_0/move_base/routes'] == 'grid'
+    assert remarks(made, '/robot_0/move_base starts at (1, 2), off the map of /map_server, and may leave')
+    assert not remarks(made, "places in Stage's world")
+    assert [line for line in made.done if line.startswith("/map_server is added: the floor plan of Stage's world two")]
+    assert adopt(path, param={'/use_map': False}).options.add == {}  # nobody needs it
+    cells, resolution, origin = floors.map_of(world)
+    assert (cells.shape, resolution, origin) == ((30, 40), 0.1, Pose2D(8.0, 18.5))
+    assert cells[0].min() == cells[-1].min() == cells[:, 0].min() == cells[:, -1].min() == 100
+    assert cells[1:-1, 1:-1].max() == 0
+    own = Node('move_base_abstract', 'map_server', args=added.split()[1])
+    config = SimpleNamespace(nodes=[own])
+    started._take_real_map_server(config)
+    assert own.package == 'move_base_abstract'
+
+
+def test_the_drawn_part_of_a_floor_plan_is_as_large_as_its_model_and_turned_with_it(package):
+    write_map(package)
+    rows = [[255] * 10 for _ in range(8)]
+    rows[2][3] = rows[5][6] = rows[2][6] = 0  # drawn: 4 columns, 4 rows; its south-west corner is free
+    package('maps/walls.pgm', 'P2\n10 8\n255\n{}\n'.format('\n'.join(' '.join(map(str, row)) for row in rows)))
+    write_stage(package, '1.0 2.0 0 90.0')
+    cells, resolution, origin = floors.map_of(package('worlds/x', '')[:-1] + 'two.world')
+    assert (resolution, cells.shape) == (0.75, (4, 5))  # 4 m x 3 m
+    assert cells.tolist() == [[0, 0, 0, 0, 100], [0] * 5, [0] * 5, [100, 0, 0, 0, 100]]
+    assert (origin.x, origin.y, origin.yaw) == pytest.approx((1.0 + 1.5, 2.0 - 2.0, math.pi / 2))
+
+
+@pytest.mark.parametrize('pose', ['0 0 0 0 ] size [ 0 0 0', '0 0 0 0 ] bitmap [ "none.pgm"'])
+def test_a_floor_plan_that_cannot_be_read_is_no_map(package, pose):
+    write_map(package)
+    made = adopt(without_map(write_stage(package, pose)))
+    assert made.options.add == {}
+    assert remarks(made, "places in Stage's world are used as places of the map")

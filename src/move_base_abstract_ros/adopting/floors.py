@@ -7,11 +7,13 @@ import numpy as np
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.geometry import Pose2D
 from move_base_abstract.common.map_files import read_description, read_pixels
-from move_base_abstract.common.map_images import OCCUPIED, UNKNOWN, ImageRule, cells_of_image
+from move_base_abstract.common.map_images import FREE, OCCUPIED, UNKNOWN, ImageRule, cells_of_image
 
-from .worlds import Unknown, turned
+from . import worlds
+from .worlds import Unknown, is_world, turned
 
 _DRAWN = 127  # Stage's threshold: darker pixels are walls
+_MOST_CELLS = 50_000_000
 _ALIKE = 0.03  # share of a length by which two lengths may differ
 
 
@@ -44,15 +46,47 @@ def offset(floor, words):
     return _rounded(floor.x + x), _rounded(floor.y + y), floor.yaw
 
 
+def map_of(path):
+    """Return (cells, resolution [m], origin) of the floor plan of a world file of Stage, in the frame of that world.
+
+    Cells are as in an OccupancyMap. The drawn part of the image is as large as the model, as Stage makes it; each of
+    its pixels has a cell, so that no wall is lost.
+
+    :raises ConfigurationError: if the file has no floor plan that can be read.
+    """
+    try:
+        floor = worlds.read(path).floor
+        if floor is None or not (floor.width > 0.0 and floor.height > 0.0):
+            raise Unknown('it has no floor plan with an image and a size')
+        left, bottom, right, top = _drawn(floor.image)
+        dark = read_pixels(os.path.abspath(floor.image))[::-1, :, 0] < _DRAWN
+    except (OSError, ValueError, Unknown) as error:
+        raise ConfigurationError('{}: {}'.format(path, error)) from None
+    rows, columns = dark.shape
+    dark = dark[round(bottom * rows):round(top * rows), round(left * columns):round(right * columns)]
+    sides = floor.height, floor.width
+    resolution = min(side / count for side, count in zip(sides, dark.shape))
+    counts = [round(side / resolution) for side in sides]
+    if counts[0] * counts[1] > _MOST_CELLS:
+        raise ConfigurationError('{}: its floor plan would have {} x {} cells; allowed: up to {}'.format(
+            path, *counts, _MOST_CELLS))
+    pixels = [((np.arange(count) + 0.5) * there / count).astype(int) for count, there in zip(counts, dark.shape)]
+    origin = Pose2D(floor.x, floor.y, floor.yaw).compose(Pose2D(-floor.width / 2, -floor.height / 2))
+    return np.where(dark[np.ix_(*pixels)], OCCUPIED, FREE).astype(np.int8), resolution, origin
+
+
 def ground(words):
     """Return a function for a map_server with these arguments: where (x, y) [m, map frame] lies on its map, in words.
 
     It returns '' in free cells, and everywhere if we cannot read the map.
     """
     try:
-        image, resolution, origin = _described(words)
-        rule = read_description(words[0]).rule if image != words[0] else ImageRule()
-        cells = cells_of_image(read_pixels(image), rule)
+        if words[:1] and is_world(words[0]):
+            cells, resolution, origin = map_of(words[0])
+        else:
+            image, resolution, origin = _described(words)
+            rule = read_description(words[0]).rule if image != words[0] else ImageRule()
+            cells = cells_of_image(read_pixels(image), rule)
     except (ConfigurationError, Unknown):
         return lambda _x, _y: ''
 

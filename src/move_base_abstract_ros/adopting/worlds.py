@@ -61,6 +61,11 @@ class _Model:
         self.parts = []
 
 
+def is_world(path):
+    """Return whether a file is one of Stage's worlds, by its name."""
+    return path.endswith('.world')
+
+
 def read(path):
     """Return the World of a world file. :raises OSError, ValueError: if it cannot be read."""
     words = _words(path, os.path.dirname(os.path.abspath(path)), [0])

@@ -57,6 +57,7 @@ class _Adoption:
         self.read_settings = read_settings
         self.done, self.remarks, self.problems = [], [], []
         self.left_out, self.added, self.arguments, self.param = [], {}, {}, {}
+        self.floors = {}  # {path of a world of Stage: the map_server of its floor plan}
         self.settings = {}  # {name: settings} of our robots
         self.hints, self.stages = poses.hints(config)
         self.robots = robots.robots_of(config, self.hints)
@@ -69,9 +70,10 @@ class _Adoption:
         self._robots()
         self._add_maps()
         self._frames()
-        self._stage_offsets()
         kept = [node for node in self.config.nodes if not self.is_out(node)]
+        what_counts.add_floor(self, kept)
         what_counts.use_maps(self, kept)
+        self._stage_offsets()
         self._clocks(kept)
         self._fatal(kept)
         what_counts.say_unread(self)
@@ -239,12 +241,9 @@ class _Adoption:
                     name, other.shown, name, ','.join('{:g}'.format(value) for value in pose)))
         for hint in unused:
             self.remarks.append('{} is not a robot of this run: {}'.format(hint.shown, 'no move_base belongs to it'))
-        self._one_place([self._pose_of(start, starts) for start in found])
+        self._one_place([starts.get(name) or tuple(self._own_place(name).get(key, 0.0) for key in start_poses.PLACED)
+                         for name in (start.robot.name for start in found)])
         return starts
-
-    def _pose_of(self, start, starts):
-        own = self._own_place(start.robot.name)
-        return starts.get(start.robot.name) or tuple(own.get(key, 0.0) for key in start_poses.PLACED)
 
     def _own_place(self, name):
         node = next((node for node in self.config.nodes if roles.name_of(node) == name), None)
@@ -283,11 +282,11 @@ class _Adoption:
     def _stage_offsets(self):
         for stage in self.stages:
             place = _place(stage.node)
-            if stage.offset is None:
+            if stage.offset is None and stage.world not in self.floors:
                 self.remarks.append("places in Stage's world are used as places of the map, because it is not known "
                                     'where the map lies there: {} ({}); --start NODE=X,Y,YAW sets others'.format(
                                         stage.why, place))
-            elif any(stage.offset):
+            elif stage.offset is not None and any(stage.offset):
                 self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
                     *stage.offset, stage.why, place))
                 for robot in self.robots:

@@ -4,6 +4,7 @@ from roslaunch.node_args import NodeParamsException
 
 from move_base_abstract.common.errors import ConfigurationError
 
+from ..adopting import poses, worlds
 from ..loopback import PACKAGE
 from . import given, programs, roles
 
@@ -53,7 +54,8 @@ def _take_real_map_server(config):
     real = Node('map_server', 'map_server')
     if roles.program_of(real) is not None:
         for node in config.nodes:
-            if roles.kind_of(node) == PACKAGE + '/map_server':
+            if roles.kind_of(node) == PACKAGE + '/map_server' and not any(
+                    map(worlds.is_world, poses.words_of(node.args))):
                 node.package = node.type = 'map_server'
 
 

@@ -3,6 +3,8 @@
 ``adoption`` is the object that applies the rules of :mod:`.adoption`.
 """
 import math
+import os
+import shlex
 
 from move_base_abstract.common.errors import ConfigurationError
 
@@ -33,6 +35,7 @@ def use_maps(adoption, kept):
         adoption.remarks.append(
             '{} use{} the map of {}, as upstream would{}; --param {}/use_map=false undoes it, --param use_map=false '
             'for all robots'.format(_all(names), 's' * (len(names) == 1), one.name, how, names[0]))
+    _say_floors(adoption, used)
     for one in maps:
         if used and one not in [chosen for chosen, _how in used]:
             adoption.remarks.append('no robot uses the map of {} on {}'.format(one.name, one.topic))
@@ -65,6 +68,34 @@ def _used(adoption, robot, node, maps):
         param['map_topic'] = one.topic
     adoption.param.update(('{}/{}'.format(name, key), value) for key, value in param.items() if key not in group)
     return one, adoption.read_settings(adoption.below(name), name), ''
+
+
+def add_floor(adoption, kept):
+    """Serve the floor plan of Stage's world, if the file serves no map and does not say where the map's frame is."""
+    if _served(adoption, kept):
+        return
+    for stage in adoption.stages:
+        name = stage.node.namespace + 'map_server'
+        if stage.offset is not None or any(name == roles.name_of(node) for node in kept) or name in adoption.added:
+            continue
+        from ..adopting import floors  # it needs numpy and Pillow
+        try:
+            floors.map_of(stage.world)
+        except ConfigurationError:
+            continue  # a line says that the world is not understood
+        adoption.floors[stage.world] = name
+        adoption.added[name] = '{}/map_server {}'.format(PACKAGE, shlex.quote(stage.world))
+        return
+
+
+def _say_floors(adoption, used):
+    """Say that floor plans of Stage are served, or serve them no longer if no robot has ``used`` them."""
+    for world, name in list(adoption.floors.items()):
+        if used:
+            adoption.done.append("{} is added: the floor plan of Stage's world {} is the map, in the frame of that "
+                                 'world'.format(name, os.path.basename(world)))
+        else:
+            del adoption.floors[world], adoption.added[name]
 
 
 def _is_ours(adoption, node):

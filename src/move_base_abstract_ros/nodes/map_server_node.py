@@ -26,7 +26,9 @@ from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.config.node_tables import MAP_FRAME, MAP_IMAGE, MAP_OLD_FORM
 from move_base_abstract.maps.map_files import MapDescription, load_map, read_description
+from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract_ros import lockstep
+from move_base_abstract_ros.adopting import worlds
 from move_base_abstract_ros.clocks.timing import make_timing
 from move_base_abstract_ros.messages import conversions
 from move_base_abstract_ros.process.node_process import run_node
@@ -38,6 +40,8 @@ except ImportError:
 
 _USAGE = ('USAGE: map_server MAP.yaml\n'
           '  MAP.yaml: the description of a map\n'
+          'OR: map_server STAGE.world\n'
+          '  STAGE.world: a world file of Stage, whose floor plan is the map\n'
           'DEPRECATED USAGE: map_server IMAGE RESOLUTION\n'
           '  IMAGE: an image file\n'
           '  RESOLUTION: the side of a pixel [m]')
@@ -51,7 +55,8 @@ def main():
 
     If the real map_server is installed, it takes the place of this process.
     """
-    real = find_real_map_server()
+    is_own_form = len(sys.argv) > 1 and worlds.is_world(sys.argv[1])
+    real = None if is_own_form else find_real_map_server()
     if real:
         os.execv(real, [real] + sys.argv[1:])
     arguments = rospy.myargv(sys.argv)[1:]
@@ -78,6 +83,9 @@ def _build(arguments):
     raw = rospy.get_param('~', {})
     where = rospy.get_name()
     values = read_table(raw, (MAP_FRAME, MAP_IMAGE), where)
+    if worlds.is_world(arguments[0]):
+        from move_base_abstract_ros.adopting import floors  # few maps are of Stage
+        return MapServer(values['frame_id'], OccupancyMap(*floors.map_of(arguments[0])))
     if len(arguments) == 2:
         rospy.logwarn('%s: IMAGE RESOLUTION is the old form; a YAML file says more', where)
         description = _describe_old_form(arguments, raw, where)
