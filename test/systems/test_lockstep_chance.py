@@ -94,6 +94,31 @@ class FollowedTest(unittest.TestCase):
             '(3.585000047, 1997, 3.587000047)', '3603.680750'])
 
 
+# A program that tells others where its temporary files are.
+TELLS_PATH = """import tempfile
+import rospy
+from std_msgs.msg import String
+rospy.init_node('tells')
+rospy.Subscriber('path', String, lambda path: None)
+publisher = rospy.Publisher('path', String, queue_size=1)
+rospy.sleep(1)
+publisher.publish(tempfile.mkdtemp())
+"""
+
+
+class PathTest(OwnFolder, unittest.TestCase):
+    def test_a_temporary_path_that_is_sent_labels_a_run_that_goes_on_beside_another_one(self):
+        tells, labels = self.write('tells.py', TELLS_PATH), []
+        for name in ('01', '02'):
+            folder = self.path('move_base_abstract_run_0_' + name)
+            os.mkdir(folder)
+            with mock.patch.dict(os.environ, TMPDIR=folder):
+                labels.append(list(run_programs({'tells': [tells]}, until=3.0).state.not_repeatable_because))
+        self.assertEqual(labels[0], [])
+        self.assertEqual(len(labels[1]), 1)
+        self.assertIn('{}, line 8: a path of a temporary file is sent'.format(tells), labels[1][0])
+
+
 class LabelledTest(unittest.TestCase):
     def test_what_is_not_followed_is_labelled_by_name_file_and_line(self):
         run = run_programs({'untold': ['untold.py']}, until=10.0)

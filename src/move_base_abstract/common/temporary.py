@@ -17,6 +17,7 @@ import contextlib
 import fcntl
 import glob
 import os
+import re
 import shutil
 import stat
 import tempfile
@@ -122,6 +123,11 @@ def temporary_folder(say: Callable[[str], None]) -> Iterator[Optional[str]]:
         yield path
     finally:
         _leave(path, held, say)
+
+
+def is_beside_another_run(path: str) -> bool:
+    """Return whether ``path`` is a folder of :func:`temporary_folder` that a run has because another one goes on."""
+    return re.fullmatch(re.escape(PREFIX) + r'run_\d+_(?!01)\d\d', os.path.basename(path)) is not None
 
 
 def clear_left(say: Callable[[str], None]) -> None:

@@ -130,6 +130,8 @@ class _Joining:
             joined.label(address_layout.LABEL)
         if joined is not None and not _is_one_hash():
             joined.label(_HASHES)
+        if joined is not None:
+            chance.watch_paths(joined, os.environ.get('TMPDIR', ''))
 
 
 def _is_one_hash() -> bool:

@@ -15,6 +15,7 @@ import uuid
 import zlib
 from typing import Any, Callable, Iterator
 
+from move_base_abstract.common import temporary
 from move_base_abstract.lockstep.machine_view import Entropy
 
 from ...replacing.replaced import replace
@@ -144,3 +145,28 @@ def is_taken(path: str, frame: Any) -> None:
     if frame is not None and isinstance(path, (str, bytes)) and os.path.lexists(path):
         told.tell(frame, 'tempfile', 'finds a file of an earlier run, which had the same name for it; another TMPDIR '
                   'for each run, or another --seed, helps')
+
+
+def _is_ours(frame: Any) -> bool:
+    return (frame.f_globals.get('__name__') or '').startswith('move_base_abstract')
+
+
+def watch_paths(participant: Any, folder: str) -> None:
+    """Label the run if others get a path in ``folder``, that for temporary files, while another run has the first one.
+
+    ``participant`` is a Participant.
+    """
+    if not temporary.is_beside_another_run(folder):
+        return
+    text, add = os.fsencode(folder), participant.add
+
+    def adding(item: Any) -> None:
+        if type(item) is bytes and text in item:
+            frame: Any = sys._getframe(1)
+            while frame is not None and (not is_own(frame) or _is_ours(frame)):
+                frame = frame.f_back
+            told.tell_text('{}a path of a temporary file is sent, and is another one if no other run goes on beside '
+                           'this one; another TMPDIR for each run helps'.format(frame and '{}, line {}: '.format(
+                               frame.f_code.co_filename, frame.f_lineno) or ''))
+        add(item)
+    participant.add = adding
