@@ -349,42 +349,6 @@ def test_a_second_mention_of_a_place_is_the_robots_place_too(package):
     assert ['/r2/move_base could start elsewhere: (7, 0, 0)' in line for line in made.remarks].count(True) == 1
 
 
-@pytest.mark.parametrize('words', [
-    '0 0 0 0 0 0 map r1/odom', '0 0 0 0 0 0 map r1/odom 100', '0 0 0 0 0 0 1 map r1/odom',
-    '0 0 0 0 0 0 1 /map /r1/odom 9'])
-def test_static_frames_of_odometry_are_left_out_however_they_are_written(package, words):
-    made = adopt(package('one.launch', """<launch><group ns="r1">
-      <node pkg="move_base" type="move_base" name="move_base"/>
-      <node pkg="tf" type="static_transform_publisher" name="odometry" args="{}"/></group></launch>""".format(words)))
-    assert made.options.leave_out == ('/r1/odometry',)
-
-
-def test_robots_whose_maps_have_frames_of_their_own_start_in_these(package):
-    robot = GROUP.replace('</group>', """<node pkg="move_base" type="move_base" name="move_base">
-      <param name="global_costmap/global_frame" value="{0}/map"/></node></group>""")
-    frame = '<node pkg="tf" type="static_transform_publisher" name="{}" args="{} /{} /{} 20"/>'
-    made = adopt(package('three.launch', '<launch>{}{}{}{}{}</launch>'.format(
-        robot.format('r1', '0', '0', '0'), robot.format('r2', '0', '-0.8', '0'), robot.format('r3', '1', '2', '0'),
-        frame.format('a', '0 -0.8 0 0 0 0', 'r1/map', 'r2/map'),
-        frame.format('b', '1 1 0 1.5707963267948966 0 0', 'r1/map', 'r3/map'))))
-    assert made.options.start['/r1/move_base'] == made.options.start['/r2/move_base'] == (0.0, 0.0, 0.0)
-    assert made.options.start['/r3/move_base'] == pytest.approx((1.0, 0.0, -math.pi / 2))
-    assert any(line.startswith('/r2/move_base starts at (0, 0, 0) in r2/map: (0, -0.8, 0) of the spawner')
-               for line in made.done)
-    assert not any('start at one place' in line for line in made.remarks)
-
-
-@pytest.mark.parametrize(('owner', 'expected'), [('of_a_stranger', (0.0, 0.0, 0.0)), ('amcl', (0.0, -2.0, 0.0))])
-def test_a_place_that_a_program_sets_in_the_simulator_is_one_of_its_world(package, owner, expected):
-    robot = """<group ns="{0}"><node pkg="move_base" type="move_base" name="move_base">
-        <param name="global_costmap/global_frame" value="{0}/map"/></node>
-      <node pkg="{1}" type="setter" name="setter"><param name="initial_pose_y" value="{2}"/></node></group>
-      <node pkg="tf" type="static_transform_publisher" name="f{0}" args="0 {2} 0 0 0 0 world {0}/map 9"/>"""
-    made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
-        robot.format('a', owner, 1), robot.format('b', owner, -2))))
-    assert made.options.start['/b/move_base'] == expected
-
-
 def test_a_nodelet_that_stands_alone_and_is_not_here_is_left_out(package):
     made = adopt(package('one.launch', """<launch><node pkg="move_base" type="move_base" name="move_base"/>
       <node pkg="nodelet" type="nodelet" name="sync" args="standalone of_nobody/sync"/></launch>"""))
@@ -397,12 +361,3 @@ def test_a_program_that_reads_a_keyboard_is_left_out_whatever_its_name(package):
       <node pkg="of_a_stranger" type="buttons.py" name="buttons"/></launch>""")
     assert adopt(path).options.leave_out == ('/buttons',)
     assert adopt(path, participant=('/buttons',)).options.leave_out == ()
-
-
-def test_robots_whose_bases_have_prefixes_do_not_share_the_frame_of_their_odometry(package):
-    robot = """<node pkg="move_base" type="move_base" name="move_base" ns="{0}">
-      <param name="global_costmap/robot_base_frame" value="{0}/base_link"/>
-      <param name="local_costmap/global_frame" value="{1}"/></node>"""
-    made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
-        robot.format('a', '/map'), robot.format('b', 'b/wheels'))))
-    assert made.options.param == {'/a/move_base/odom_frame': 'a/odom'}
