@@ -53,6 +53,8 @@ class Deputised:
         self._is_shut_down = False
         #: whether the run has ended by itself
         self.is_over = False
+        #: whether the script waits for the deputy, or was ended by a signal while it did
+        self.is_waiting = False
         self._hooks = []
 
     @property
@@ -62,7 +64,7 @@ class Deputised:
 
     def begin(self, link):
         """Use the deputy at the other end of this Connection from now on. Wait until it answers."""
-        self._link, self.is_over = link, False
+        self._link, self.is_over, self.is_waiting = link, False, False
         rospy.rostime.set_rostime_initialized(True)
         self._take(link.recv())
 
@@ -96,16 +98,22 @@ class Deputised:
         try:
             link.send((REQUEST, _number, name, [self._token(arg) for arg in args],
                        {key: self._token(value) for key, value in kwds.items()}))
-            told = link.recv()
+            told = self._receive(link)
             while told[0] == CALLBACK:
                 set_rostime(told[1])
                 link.send((DONE, self._call(*told[2:])))
-                told = link.recv()
+                told = self._receive(link)
         except GONE:
             if self._link is link:  # otherwise a callback has left the run
                 self._link, self.is_over = None, True
             raise rospy.ROSInterruptException(_OVER) from None
         return self._take(told)
+
+    def _receive(self, link):
+        self.is_waiting = True
+        told = link.recv()
+        self.is_waiting = False
+        return told
 
     def _call(self, number, args):
         """Call a function of the script, as rospy calls a callback: its exceptions are printed, and go no further."""

@@ -87,12 +87,14 @@ class Series:
     def finish(self, is_asked=False):
         """Make the script leave its run, if there is one, wait for its end, and print its exit code.
 
-        ``is_asked``: end the run by a signal if it has no deputy yet, and kill it if it does not end in time.
+        ``is_asked``: end the run by a signal if its deputy is not there yet or does what it was asked for, as it then
+        does not notice that the script leaves; kill the run if it does not end in time.
         """
         process, self._process = self._process, None
         if process is None:
             return
-        if is_asked and not self.deputised.is_under_way and not self.deputised.is_over and process.poll() is None:
+        is_heard = self.deputised.is_under_way and not self.deputised.is_waiting
+        if is_asked and not is_heard and not self.deputised.is_over and process.poll() is None:
             process.send_signal(signal.SIGINT)
         self.deputised.end()
         try:
