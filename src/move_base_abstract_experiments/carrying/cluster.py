@@ -32,7 +32,7 @@ from typing import (
     Tuple,
 )
 
-from move_base_abstract.common import temporary
+from move_base_abstract.common import guard, temporary
 from move_base_abstract.common.errors import SimulatorError
 
 from ..description.job import Job
@@ -67,7 +67,7 @@ def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iter
     """
     try:
         import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client, LocalCluster, Security
     except ImportError as error:
         raise ClusterError(f'{error.name} is not installed for {sys.executable}; Debian has it as '
                            'python3-distributed (make deps-experiment), pip as the extra [experiments]') from None
@@ -75,14 +75,20 @@ def connected(workers: int, scheduler: Any, has_dashboard: bool = False) -> Iter
     own = shared = None
     with contextlib.ExitStack() as stack:
         if scheduler is None:
-            folder = stack.enter_context(temporary.folder('dask_'))
-            with _ctrl_c_is_ours():
-                scheduler = own = LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
-                    dashboard_address=_HTTP, worker_dashboard_address=_HTTP,
-                    scheduler_kwargs={'dashboard': has_dashboard},
-                    local_directory=folder, memory_limit=0, silence_logs=50,
-                    security=True, protocol='tls://')  # other users of this computer stay out
+            # Workers that live on make what has been removed again: a guard removes it last.
+            folder = temporary.make('dask_') if guard.is_there() else stack.enter_context(temporary.folder('dask_'))
+            others = list(LocalCluster._instances)
+            try:
+                with _ctrl_c_is_ours():
+                    scheduler = own = LocalCluster(
+                        n_workers=workers, threads_per_worker=1, processes=True, host='127.0.0.1',
+                        dashboard_address=_HTTP, worker_dashboard_address=_HTTP,
+                        scheduler_kwargs={'dashboard': has_dashboard},
+                        local_directory=folder, memory_limit=0, silence_logs=50,
+                        security=_in_files(Security.temporary(), folder), protocol='tls://')  # other users stay out
+            except BaseException:
+                _stop(*(begun for begun in LocalCluster._instances if begun not in others))
+                raise
             shared = os.path.join(folder, _SPOOL)
             stack.callback(_close_all, scheduler)
         try:
@@ -111,6 +117,17 @@ def _configure(dask: Any, has_dashboard: bool) -> None:
         dask.config.set({'distributed.scheduler.http.routes': [], 'distributed.worker.http.routes': [], **_UNSEEN})
 
 
+def _in_files(security: Any, folder: str) -> Any:
+    """Put Dask's keys into files: otherwise each process does, in TMPDIR, and leaves them there if it is killed."""
+    whose = ('client', 'scheduler', 'worker')
+    for role in ('ca_file', *(f'{one}_{what}' for one in whose for what in ('key', 'cert'))):
+        path = os.path.join(folder, role)
+        with open(path, 'x', encoding='ascii') as stream:
+            stream.write(getattr(security, f'tls_{role}'))
+        setattr(security, f'tls_{role}', path)
+    return security
+
+
 @contextlib.contextmanager
 def _ctrl_c_is_ours() -> Iterator[None]:
     """Let threads and processes that are started in this context not see Ctrl-C. This process ends them itself."""
@@ -136,14 +153,20 @@ def _close(what: Any) -> None:
 
 
 def _close_all(cluster: Any) -> None:
-    """Close a cluster on this computer; kill workers that are left, for example because they are stopped.
+    """Close a cluster on this computer; kill workers that are left, for example because they are stopped."""
+    _close(cluster)
+    _stop(cluster)
+
+
+def _stop(*clusters: Any) -> None:
+    """Stop the threads of clusters, and kill their workers.
 
     Otherwise Python would wait for them at its end, and Dask would wait for their answers once more and start others.
     """
-    _close(cluster)
-    with contextlib.suppress(Exception):
-        cluster._loop_runner.stop()
-        cluster.status = type(cluster.status).closed
+    for cluster in clusters:
+        with contextlib.suppress(Exception):
+            cluster._loop_runner.stop()
+            cluster.status = type(cluster.status).closed
     for process in multiprocessing.active_children():
         process.kill()
 
