@@ -71,10 +71,10 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
             MARK: self.folder, 'TMPDIR': self.path('tmp'), 'ROS_HOME': self.path('ros'),
             'ROS_PACKAGE_PATH': os.pathsep.join([self.path('own'), os.environ['ROS_PACKAGE_PATH']])})
 
-    def begin(self, program, *words):
+    def begin(self, program, *words, before=()):
         """Start a program of this package, or pytest, whose output nobody reads when it has ended."""
         command = [sys.executable, '-m', program] if program == 'pytest' else [find_executable(program)]
-        process = subprocess.Popen([*command, *words], env=self.environment, cwd=self.folder,
+        process = subprocess.Popen([*before, *command, *words], env=self.environment, cwd=self.folder,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    text=True, start_new_session=True)
         self.addCleanup(process.wait)
@@ -93,6 +93,18 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
             except OSError:
                 continue  # it has ended
         return found
+
+    def programs(self):
+        """Return the words of programs that run launch files, and what each prints when it is under way."""
+        self.write('trials.yaml', 'experiment: trials\nlaunch: run.launch\nuntil: {at: 1000000.0}\nreplications: 2\n')
+        self.write('test_it.py', TEST)
+        self.write('script.py', SCRIPT)
+        return ((('lockstep_launch', '--event-log', self.log, self.file), 'under way'),
+                (('lockstep_launch', '--script', 'script.py'), 'under way'),
+                (('demo', '--clock', 'scaled', '--factor', '1'), 'started in'),
+                (('experiment', 'run', 'trials.yaml', '-o', self.path('trials')), ' of 2 trials'),
+                (('verify', '--output', self.path('verified'), '--until', '1000000', self.file), ''),
+                (('pytest', '-p', 'move_base_abstract_testing', '-p', 'no:cacheprovider', 'test_it.py'), ''))
 
     def assert_nobody(self, said='', were_both=False):
         """Wait until no process is left; check that no folder is left either but those that ``said`` names.
@@ -113,12 +125,20 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
         if were_both:
             said += self.begin('lockstep_launch', '--list', self.file).communicate()[0]
         self.assertEqual([name for name in os.listdir(self.path('tmp')) if name not in said], [])
+        for name in os.listdir(self.path('tmp')):  # it is kept for the user
+            shutil.rmtree(self.path('tmp/' + name))
 
-    def running(self, *words):
-        """Start the launch file in real time; return the program when time has begun in its nodes."""
+    def forget(self):
+        """Remove what a program has written before."""
         for name in ('words', 'events.jsonl'):
             if os.path.exists(self.path(name)):
                 os.remove(self.path(name))
+        for name in ('trials', 'verified', 'lockstep_series_logs'):
+            shutil.rmtree(self.path(name), ignore_errors=True)
+
+    def running(self, *words):
+        """Start the launch file in real time; return the program when time has begun in its nodes."""
+        self.forget()
         process = self.begin('lockstep_launch', '--event-log', self.log, '--speed-limit', '1', *words, self.file)
         said = []
         self.assertTrue(any(said.append(line) or 'under way' in line for line in process.stdout), said)
@@ -160,28 +180,44 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
 
     def test_at_any_moment(self):
         """Any process of any program that runs launch files, also while it begins; then the program itself."""
-        self.write('trials.yaml', 'experiment: trials\nlaunch: run.launch\nuntil: {at: 1000000.0}\nreplications: 2\n')
-        self.write('test_it.py', TEST)
-        self.write('script.py', SCRIPT)
-        programs = (('lockstep_launch', self.file), ('experiment', 'run', 'trials.yaml', '-o'),
-                    ('pytest', '-p', 'move_base_abstract_testing', '-p', 'no:cacheprovider', 'test_it.py'),
-                    ('lockstep_launch', '--script', '--logs'), ('demo', '--clock', 'scaled', '--factor', '1'))
-        draws = random.Random(48)
+        programs = [words for words, _ in self.programs()]
+        draws = random.Random(int(os.environ.get('SEED', '48')))
         for number in range(60 if 'NIGHT' in os.environ else len(programs)):
             words = programs[number % len(programs)]
-            out = [self.path('out_{}'.format(number))] if words[-1].startswith('-') else []
-            out += ['script.py'] if '--script' in words else []
             count, signals = draws.randint(1, 25), draws.choices([signal.SIGKILL, signal.SIGTERM], k=2)
             with self.subTest(program=words[:2], number=number, processes=count, signals=signals):
-                process, found, deadline = self.begin(*words, *out), {}, time.monotonic() + BEGIN
+                self.forget()
+                process, found, deadline = self.begin(*words), {}, time.monotonic() + BEGIN
                 while len(found) < count and process.poll() is None and time.monotonic() < deadline:
                     found = self.processes()
                 victim = draws.choice(sorted(found) or [process.pid])
+                inner = children_of(process.pid)[:1] if process.poll() is None else []
                 for pid, sent in zip((victim, process.pid), signals):
                     with contextlib.suppress(ProcessLookupError):
                         os.kill(pid, sent)
                 said = process.communicate()[0]
                 self.assert_nobody(said, victim != process.pid and signals[1] == signal.SIGKILL)
+                if inner and words[0] != 'pytest' and (inner != [victim] or signals != [signal.SIGKILL] * 2):
+                    self.assertRegex(said, ' (was )?ended by SIG|guard has ended')
+                if os.path.exists(self.log):
+                    events_of(self.log)
+
+    def test_a_signal(self):
+        """Each program says which one has ended it. Under nohup SIGHUP does not."""
+        for words, sign in self.programs()[:4 if 'NIGHT' in os.environ else 2]:
+            for before, said_then in ((('nohup',), 'ended by SIGTERM'), ((), 'ended by SIGHUP')):
+                with self.subTest(program=words[:2], before=before):
+                    self.forget()
+                    process = self.begin(*words, before=before)
+                    self.assertTrue(any(sign in line for line in process.stdout))
+                    for pid in children_of(process.pid)[:1] + [process.pid]:
+                        os.kill(pid, signal.SIGHUP)
+                    if before:
+                        process.terminate()
+                    said = process.communicate()[0]
+                    self.assertIn('{}: {}\n'.format(words[0], said_then), said)
+                    self.assertNotIn('exit code -9', said)  # of a run that did not end when it was asked to
+                    self.assert_nobody(said)
 
     def test_a_node_that_is_killed_labels_the_run(self):
         """A fault of its own does not."""

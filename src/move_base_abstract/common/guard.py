@@ -1,18 +1,19 @@
 """A guard of a program that starts processes: another process, so that nothing outlives the program, even if it dies.
 
 The program goes on in a child of the guard. If it is killed, all that it has started gets the guard as parent, which
-ends them and removes the program's folders. If the guard is killed, the program gets SIGTERM, and ends as ever. If both
-are killed at once, the guard of the next program removes the folders.
+ends them and removes the program's folders. If the guard is killed, the program gets SIGTERM, ends as ever, and does
+the guard's work last. If both are killed at once, the guard of the next program removes the folders.
 """
 from __future__ import annotations
 
+import atexit
 import contextlib
 import os
 import signal
 import sys
 import time
 from types import SimpleNamespace
-from typing import Collection, Dict, NoReturn
+from typing import Collection, Dict, List, NoReturn
 
 from . import processes, temporary
 
@@ -20,8 +21,8 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _LOOK_S = 0.02  # wall
 #: (signal, wall time [s] that follows) for what a killed program has started; 0: the kernel has sent SIGINT
 _STEPS = ((0, 1.0), (signal.SIGINT, 2.0))
-#: in the program: the guard's process id, 0 without a guard
-_state = SimpleNamespace(pid=0)
+#: the process ids of the guard, 0 without one, and of the program
+_state = SimpleNamespace(pid=0, program=0)
 
 
 def stand(name: str) -> None:
@@ -35,23 +36,40 @@ def stand(name: str) -> None:
     """
     _sweep(name)
     processes.adopt_orphans()
-    handled = [number for number in _SIGNALS if (number, signal.getsignal(number)) != (signal.SIGHUP, signal.SIG_IGN)]
+    handled = signals()
     signal.pthread_sigmask(signal.SIG_BLOCK, {*handled, signal.SIGCHLD})
-    guard = os.getpid()
-    pid = processes.fork_on(ends_by=signal.SIGTERM)
+    _state.pid = os.getpid()
+    pid = processes.fork_on(ends_by=signal.SIGTERM, handle=lambda number, _frame: _exit(name, number))
     if pid == 0:
-        _state.pid = guard
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, (lambda number, _frame: _exit(name, number)) if number in handled else signal.SIG_IGN)
+        if signal.SIGHUP not in handled:
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        _state.program = os.getpid()
+        atexit.register(_stand_in, name)
         return
     temporary.let_go()
     code = _await(pid, handled)
     if code < 0:
         _say(name, 'its process {} was ended by {}; all that it has started is ended'.format(
             pid, signal.Signals(-code).name))
+    _clear(name)
+    os._exit(code if code >= 0 else 1)
+
+
+def _stand_in(name: str) -> None:
+    """Do at the end of the program what its guard does then, if that has been killed."""
+    if has_lost():
+        temporary.let_go()
+        _clear(name)
+
+
+def _clear(name: str) -> None:
     _end_orphans()
     _sweep(name)
-    os._exit(code if code >= 0 else 1)
+
+
+def signals() -> List[signal.Signals]:
+    """Return the signals that end a program: without SIGHUP if that is ignored, as under nohup."""
+    return [number for number in _SIGNALS if (number, signal.getsignal(number)) != (signal.SIGHUP, signal.SIG_IGN)]
 
 
 def _sweep(name: str) -> None:
@@ -68,8 +86,13 @@ def _say(name: str, line: str) -> None:
 def _exit(name: str, number: int) -> NoReturn:
     for other in (signal.SIGTERM, signal.SIGHUP):  # they must not interrupt the end itself
         signal.signal(other, signal.SIG_IGN)
-    _say(name, why(number))
+    tell(name, number)
     sys.exit(128 + number)
+
+
+def tell(name: str, number: int) -> None:
+    """Say why the program ``name`` ends by a signal. A handler of signals may call it."""
+    _say(name, why(number))
 
 
 def why(number: int) -> str:
@@ -78,8 +101,8 @@ def why(number: int) -> str:
 
 
 def has_lost() -> bool:
-    """Return whether this program had a guard that has ended."""
-    return is_there() and bool(os.getppid() != _state.pid)
+    """Return whether this process is a program that had a guard, which has ended."""
+    return bool(os.getpid() == _state.program and os.getppid() != _state.pid)
 
 
 def is_there() -> bool:

@@ -112,8 +112,8 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
     return pid  # never reached: finish() does not return
 
 
-def fork_on(new_session: bool = False, ends_by: int = signal.SIGKILL) -> int:
-    """Start a child as fork() does, which goes on here, with 0; return its process id in this process."""
+def fork_on(new_session: bool = False, ends_by: int = signal.SIGKILL, handle: Any = signal.SIG_DFL) -> int:
+    """Start a child as fork() does, which goes on here, with 0, and handles TERM and HUP so; return its process id."""
     assert_one_thread()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
@@ -130,7 +130,7 @@ def fork_on(new_session: bool = False, ends_by: int = signal.SIGKILL) -> int:
     if pid == 0:
         die_with(parent, ends_by)
         os.setsid() if new_session else os.setpgid(0, 0)
-        _take_defaults()
+        _take_defaults(handle)
     return pid
 
 
@@ -356,12 +356,12 @@ def code_of(status: int) -> int:
     return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
 
 
-def _take_defaults() -> None:
-    """Handle signals as a newly started program does."""
+def _take_defaults(handle: Any) -> None:
+    """Handle signals as a newly started program does, but SIGTERM and SIGHUP by ``handle``."""
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     for number in (signal.SIGTERM, signal.SIGCHLD, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, signal.SIG_DFL if number == signal.SIGCHLD else handle)
     signal.pthread_sigmask(signal.SIG_SETMASK, set())
 
 

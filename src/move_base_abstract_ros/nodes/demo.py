@@ -10,7 +10,6 @@ Exit codes: 0 the mission is done; 1 it failed (the reason is printed); 2 wrong 
 
 import argparse
 import contextlib
-import signal
 import sys
 import time
 
@@ -37,7 +36,6 @@ _COUNT = word_of(number(1, 10000, whole=True))  # of robots, of goals of each ro
 def main():
     """Run the demo and exit with its code."""
     arguments = _parse(rospy.myargv()[1:])
-    signal.signal(signal.SIGTERM, _exit_on_sigterm)
     try:
         sys.exit(_run(arguments))
     except (SimulatorError, MissionFailed, LoopbackError) as error:
@@ -46,10 +44,6 @@ def main():
     except KeyboardInterrupt:
         print('\ndemo: interrupted', file=sys.stderr)
         sys.exit(130)
-
-
-def _exit_on_sigterm(_number, _frame):
-    sys.exit(143)
 
 
 def _run(arguments):

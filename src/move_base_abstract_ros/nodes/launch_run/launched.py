@@ -200,7 +200,7 @@ def _carry_out(made, log, own, run_id, options):
     this = run.Run(made, log, outputs.Screen(os.path.join(rospkg.get_log_dir(), run_id)), run.Patience(2.0, 15.0), own,
                    os.path.join(options.notes, 'start'), is_warm, is_quick=False)
     asked = []
-    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for each in guard.signals():
         signal.signal(each, lambda number, _frame: (asked.append(number), this.stop()))
     this.start(rosgraph.get_master_uri() if options.use_master else '')
     problem = this.wait()
