@@ -81,7 +81,7 @@ def test_an_area_lies_within_the_bound(entry, text):
 def test_a_tmap2_with_a_zero_quaternion_is_refused(tmp_path):
     (tmp_path / 'map.yaml').write_text(
         'nodes: [{node: {name: a, pose: {position: {x: 0, y: 0}, orientation: {x: 0, y: 0, z: 0, w: 0}}}}]')
-    with pytest.raises(ConfigurationError, match='which is not a node of a tmap2'):
+    with pytest.raises(ConfigurationError, match='which is not a node of a topological map'):
         read_lane_map(str(tmp_path / 'map.yaml'), 'lanes')
 
 

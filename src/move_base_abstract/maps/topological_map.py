@@ -2,7 +2,7 @@
 
 They have nodes, and edges in one direction each. A tmap is the bare list of the nodes of a tmap2, and its edges have a
 ``top_vel`` in the place of a ``config``; or it is a text: for each node the lines `node:`, its name, `waypoint:` with
-x, y, z, qx, qy, qz, qw, `edges:` with a node and an action each, `vertices:`. An orientation of zeros only, which such
+x, y, z, qx, qy, qz, qw, `edges:` with a node and an action each, `vertices:`. An orientation of zeros only, which these
 files have, is the yaw 0.
 
 The format is described at https://github.com/LCAS/topological_navigation. We use the name and the pose of a node, the
@@ -72,12 +72,13 @@ def plain_map(raw: Any, where: str) -> Dict[str, List[Dict[str, Any]]]:
     :raises ConfigurationError: if a part of it does not have the format; the text begins with ``where``.
     """
     nodes, edges = [], []
-    raw = {'nodes': raw} if isinstance(raw, list) else raw
+    is_tmap = isinstance(raw, list)  # in which zeros only are no orientation
+    raw = {'nodes': raw} if is_tmap else raw
     for index, entry in enumerate(raw['nodes']):
         place = '{}: nodes[{}]'.format(where, index)
         try:
             node = entry['node']
-            pose = _origin(raw, node).compose(_pose(node['pose']['position'], node['pose']['orientation']))
+            pose = _origin(raw, node).compose(_pose(node['pose']['position'], node['pose']['orientation'], is_tmap))
             nodes.append({'name': node['name'], 'x': pose.x, 'y': pose.y, 'yaw': pose.yaw})
             edges += _edges(node)
         except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
@@ -94,10 +95,10 @@ def _origin(raw: Mapping[str, Any], node: Any) -> Pose2D:
     return _pose(transformation['translation'], transformation['rotation'])
 
 
-def _pose(position: Dict[str, float], orientation: Dict[str, float]) -> Pose2D:
+def _pose(position: Dict[str, float], orientation: Dict[str, float], may_be_zeros: bool = False) -> Pose2D:
     x, y, z, w = (as_number(orientation[axis]) for axis in 'xyzw')
     quaternion = x, y, z, w
-    fault = quaternion_fault(quaternion) if any(quaternion) else ''
+    fault = quaternion_fault(quaternion) if any(quaternion) or not may_be_zeros else ''
     if fault:
         raise ValueError(fault)
     return Pose2D(as_number(position['x']), as_number(position['y']), yaw_of_quaternion(quaternion))
