@@ -45,12 +45,16 @@ def read():
         fifo.read()
 
 
+def accept():
+    server.accept()
+
+
 def locks():
     with lock:
         print('locked', flush=True)
 
 
-for wait in (told, sys.stdin.readline, read, server.accept, multiprocessing.Queue().get, locks):
+for wait in (told, sys.stdin.readline, read, accept, multiprocessing.Queue().get, locks):
     threading.Thread(target=wait, daemon=True).start()
 rospy.Timer(rospy.Duration(1), tell)
 rospy.on_shutdown(lambda: os._exit(0))

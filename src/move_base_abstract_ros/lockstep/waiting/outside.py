@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from move_base_abstract.lockstep.scheduler import Scheduler
 
 _LONGEST, _LONGEST_WITH_CHILDREN, _AGAIN = 5.0, 60.0, 0.3  # s, wall
+_WAITS = kernel_waits.__file__
 #: numbers of system calls in which a thread does not wait for somebody outside: wait4, waitid, futex, nanosleep,
 #: clock_nanosleep, futex_waitv; and of those that write
 _OTHERS: Dict[str, Tuple[Set[int], Set[int]]] = {
@@ -90,10 +91,12 @@ class Outside:
 
 def _place_of(ident: int, is_lock: bool) -> Optional[Tuple[str, int]]:
     """Return (file, line) of the program's code that waits in the kernel; None: ROS, or this package does."""
-    frame = sys._current_frames().get(ident)
+    frame = at = sys._current_frames().get(ident)
     is_ours = False
-    while frame is not None and frame.f_code.co_filename == kernel_waits.__file__:
-        frame, is_ours = frame.f_back, True
+    while at is not None and (at.f_code.co_filename == _WAITS or is_of_python(at.f_code.co_filename)):
+        if at.f_code.co_filename == _WAITS:  # the program has called what it stands in for
+            frame, is_ours = at.f_back, True
+        at = at.f_back
     own = own_frame(frame) if is_ours or not is_lock else None
     while own is None and frame is not None and is_of_python(frame.f_code.co_filename) and not is_lock:
         own = frame if frame.f_code is threading.Thread.run.__code__ else None  # a thread of a function of a library
