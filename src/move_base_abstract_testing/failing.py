@@ -20,6 +20,7 @@ TITLE = 'why'
 DECISIONS, REPLAY = 'chaos_decisions.jsonl', 'chaos.json'  # files of a run's folder
 _CALL, _FAILED = 'call', 'failed'
 _MOST_NODES, _MOST_LINES, _MOST_DECISIONS, _LAST_BYTES = 5, 6, 10, 1 << 14
+_OF_MASTER = 'rosmaster.txt'
 _TRACEBACK = 'Traceback (most recent call last):'
 
 
@@ -51,6 +52,15 @@ def _start_of(item: Any) -> str:
     return str(item.config.invocation_params.dir)
 
 
+def last_words(folder: str) -> Iterator[str]:
+    """Yield the last lines of all that has printed into a run's folder. Nothing else is known of that run."""
+    for name in sorted(os.listdir(folder)):
+        lines = _last_lines(os.path.join(folder, name)) if name.endswith('.txt') and name != _OF_MASTER else []
+        if lines:
+            yield f'{name[:-len(".txt")]} printed last:'
+            yield from ('    ' + line for line in lines)
+
+
 def _of_nodes(system: Lockstep, broken: Sequence[Broken]) -> Iterator[str]:
     """Yield what crashed nodes have raised and printed last; if none has, those that are broken; else the user's."""
     crashed = [one for one in system.ends if one.crash is not None]
@@ -75,8 +85,13 @@ def _output(system: Lockstep, name: str) -> str:
 def _printed(system: Lockstep, name: str) -> List[str]:
     """Return the last lines that a node had printed when the test was over. The end of the run adds its own."""
     path = _output(system, name)
+    return _last_lines(path, system.sizes.get(os.path.basename(path), 0))
+
+
+def _last_lines(path: str, size: Optional[int] = None) -> List[str]:
+    """Return the last lines of a file of which ``size`` bytes count; None: all."""
     with contextlib.suppress(OSError), open(path, 'rb') as stream:
-        size = system.sizes.get(os.path.basename(path), 0)
+        size = os.fstat(stream.fileno()).st_size if size is None else size
         stream.seek(max(0, size - _LAST_BYTES))
         lines = stream.read(min(size, _LAST_BYTES)).decode('utf-8', 'replace').splitlines()
         return [ends.plain_line(line) for line in lines if line.strip()][-_MOST_LINES:]

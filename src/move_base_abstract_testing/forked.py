@@ -94,7 +94,7 @@ def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
     os.close(write)
     text = _read(read, wall_limit)
     _end(pid)
-    return _reports(item, text, wall_limit)
+    return _reports(item, text, wall_limit, folder)
 
 
 def _end_at_once(*_signal: Any) -> None:
@@ -140,13 +140,15 @@ def _end(pid: int) -> None:
         forked.wait()
 
 
-def _reports(item: Any, text: Optional[bytes], wall_limit: float) -> List[Any]:
+def _reports(item: Any, text: Optional[bytes], wall_limit: float, folder: str) -> List[Any]:
     if text:
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one)
                  for one in json.loads(text)]
     why = 'the test was not over after {:g} s of wall time (wall_limit)'.format(wall_limit) if text is None else (
         'the process of the test has died')
-    return [_runner(item).TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)]
+    report = _runner(item).TestReport(item.nodeid, item.location, dict.fromkeys(item.keywords, 1), 'failed', why, _CALL)
+    report.sections.append((failing.TITLE, '\n'.join(failing.last_words(folder))))
+    return [report]
 
 
 def _difference(first: str, second: str) -> str:

@@ -1,4 +1,4 @@
-"""What is not started: windows that only show what is, which count nowhere, and programs that are not here."""
+"""What is not started: displays, which count nowhere, and programs that are not here."""
 import json
 import os
 import unittest
@@ -76,7 +76,7 @@ class MissingTest(OwnPackage, unittest.TestCase):
             self.assertEqual((code, why in said, os.path.exists(self.path('out'))), (2, True, False), said)
 
 
-class WindowsTest(OwnFolder, unittest.TestCase):
+class DisplaysTest(OwnFolder, unittest.TestCase):
     def setUp(self):
         super().setUp()
         for name, text in PROGRAMS.items():
@@ -91,7 +91,7 @@ class WindowsTest(OwnFolder, unittest.TestCase):
         return self.write('of_others.launch', FILE.format(of_rviz, more))
 
     def started(self):
-        """Return the names of the windows that were started."""
+        """Return the names of the displays that were started."""
         if not os.path.exists(self.path('started')):
             return []
         with open(self.path('started')) as stream:

@@ -54,7 +54,7 @@ class Process(NamedTuple):
     names: Tuple[str, ...] = ()  # the participants that it may be; empty: only ``node``
     is_shell: bool = False  # whether it is a shell, whose exit code 0 says nothing of the programs it has started
     looks_on: bool = False  # whether it is a node that takes no part
-    only_displays: bool = False  # whether it is a window that shows what is, so that its end is no crash
+    only_displays: bool = False  # whether it is a program like RViz, whose end is no crash
 
 
 class Log:

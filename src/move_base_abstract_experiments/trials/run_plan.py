@@ -114,7 +114,7 @@ def _with_participants(config: Any, experiment: Experiment, options: Any) -> Any
     if experiment.participants is None or experiment.command:
         return options
     forced = experiment.participants
-    names = [roles.name_of(node) for node in config.nodes if not (roles.is_time_master(node) or roles.is_window(node))]
+    names = [roles.name_of(node) for node in config.nodes if not (roles.is_time_master(node) or roles.is_display(node))]
     return dataclasses.replace(options, participant=forced, onlooker=tuple(
         name for name in names if name not in (*forced, END_NODE, RECORDER_NODE)))
 

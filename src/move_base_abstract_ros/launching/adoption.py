@@ -168,7 +168,7 @@ class _Adoption:
     def _look_for_program(self, node, kind):
         path = roles.program_of(node)
         if path is None:
-            is_loss = kind.word in (kinds.ELSE, kinds.FRAME) and not roles.is_window(node)
+            is_loss = kind.word in (kinds.ELSE, kinds.FRAME) and not roles.is_display(node)
             self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
                                                   if is_loss else ''), is_loss)
             return

@@ -41,7 +41,7 @@ class LaunchOptions(RunOptions):
     parts: int = 0  # number of processes into which a fleet is split; 0: as the file says
     deputy: tuple = ()  # (name, address) of the node that takes part for a script, with which the run ends
     is_told: bool = False  # whether the user has been told what is added and where robots start
-    no_windows: str = 'experiments, verify, chaos and tests start none'  # why; '': RViz and the like are started
+    no_displays: str = 'experiments, verify, chaos and tests start none'  # why; '': RViz and the like are started
 
     @property
     def kept(self):

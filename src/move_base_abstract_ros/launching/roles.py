@@ -25,8 +25,8 @@ _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 
 _WITH_LAST_WORDS = 'soil_coordinator'
 #: nodes of this package that only show what is, and why its other programs do not take part
 _SHOWING, _NO_NODE = ('radio_markers', 'why'), 'it is a command of this package, and no node'
-#: packages whose programs, or some of whose programs, are windows that only show what is
-_WINDOWS = {'rviz': None, 'rqt_gui': None, 'plotjuggler': None,
+#: packages whose programs, or some of whose programs, only show what is on a screen
+_DISPLAYS = {'rviz': None, 'rqt_gui': None, 'plotjuggler': None,
             'image_view': ('image_view', 'disparity_view', 'stereo_view')}
 _OF_RQT, _RQT = re.compile('rqt(?:_.*)?'), 'rqt_gui'
 _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', 'gzserver'), ('gazebo_ros', 'debug'),
@@ -115,16 +115,16 @@ def _is_own_display(node):
     return node.package == PACKAGE and _own_type(node) in _SHOWING
 
 
-def is_window(node):
-    """Return whether a roslaunch Node is a window that only shows what is: of RViz, of rqt, of images."""
-    if node.package in _WINDOWS:
-        return node.type in (_WINDOWS[node.package] or [node.type])
+def is_display(node):
+    """Return whether a roslaunch Node only shows what is on a screen: RViz, rqt, a viewer of images."""
+    if node.package in _DISPLAYS:
+        return node.type in (_DISPLAYS[node.package] or [node.type])
     path = program_of(node) if _OF_RQT.fullmatch(node.package) else ''
     return path is None or path != '' and programs.imports_one_of(path, (_RQT,))
 
 
 def _may_provide(node):
-    path = None if is_window(node) or _is_own_display(node) else program_of(node)
+    path = None if is_display(node) or _is_own_display(node) else program_of(node)
     return path is not None and not recorders.is_recorder(node) and programs.kind_of(path)[0] is not None
 
 
@@ -139,7 +139,7 @@ def _is_by_itself(node):
 
 def _outside(node, with_respawned):
     """Return why a node cannot take part, whatever its program is, or None."""
-    if is_window(node) or _is_own_display(node):
+    if is_display(node) or _is_own_display(node):
         return 'it only displays'
     if (node.package, node.type) == ('rosbag', 'play'):
         return 'it only plays'

@@ -88,7 +88,7 @@ class _Process:
                             names=self.command.names if self.command is not None else (),
                             is_shell=self.node is not None and roles.is_shell(self.node),
                             looks_on=not self.takes_part and self.name != TIME_MASTER,
-                            only_displays=self.node is not None and roles.is_window(self.node))
+                            only_displays=self.node is not None and roles.is_display(self.node))
 
 
 class Run:

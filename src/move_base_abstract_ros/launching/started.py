@@ -21,7 +21,7 @@ def take_away(config, options):
     _check_names(config, options)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.leave_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    notes = _without_windows(config, options)
+    notes = _without_displays(config, options)
     replaced = _replace(config, options.replace)
     notes += [] if options.is_told else replaced
     _take_real_map_server(config)
@@ -59,12 +59,12 @@ def _take_real_map_server(config):
                 node.package = node.type = 'map_server'
 
 
-def _without_windows(config, options):
+def _without_displays(config, options):
     """Take away the nodes that only show what is, if they cannot be seen. Return lines about them for the user."""
     notes = []
-    for node in [one for one in config.nodes if roles.is_window(one) and roles.name_of(one) not in options.kept]:
-        why = 'it is not installed here' if roles.program_of(node) is None else options.no_windows and (
-            '{}; --onlooker {} starts it'.format(options.no_windows, roles.name_of(node)))
+    for node in [one for one in config.nodes if roles.is_display(one) and roles.name_of(one) not in options.kept]:
+        why = 'it is not installed here' if roles.program_of(node) is None else options.no_displays and (
+            '{}; --onlooker {} starts it'.format(options.no_displays, roles.name_of(node)))
         if why:
             config.nodes.remove(node)
             notes.append('{} is not started: it only displays, and {}'.format(roles.name_of(node), why))

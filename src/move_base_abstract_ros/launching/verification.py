@@ -107,7 +107,7 @@ class Verification:
         log, output = os.path.join(folder, 'events.jsonl'), os.path.join(folder, 'output.txt')
         message_bytes = os.path.join(folder, 'messages.bin')
         words = ['--event-log', log, '--log-messages', '--message-bytes', message_bytes, '--end-when-idle',
-                 '--no-windows', *condition.options]
+                 '--no-displays', *condition.options]
         if condition.is_limited:
             simulated = self.runs[0].simulated if self.runs else 0.0
             words += ['--speed-limit', '{:.9g}'.format(limit_for(simulated))]

@@ -34,7 +34,7 @@ def main():
     warm_nodes.start_again()
     guard.stand('lockstep_launch')
     if rostest_case.is_asked(words):
-        rostest_case.run(words, lambda rest: launched.launch(*launched.read_words(['--no-windows', *rest])))
+        rostest_case.run(words, lambda rest: launched.launch(*launched.read_words(['--no-displays', *rest])))
     parser, options = launched.read_words(words)
     code = launched.launch(parser, options).code
     if not (code or options.list or options.series):

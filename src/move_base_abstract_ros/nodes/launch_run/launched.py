@@ -115,7 +115,7 @@ def read_words(words):
     parser.add_argument('--message-bytes', default=None, help=argparse.SUPPRESS)
     # A folder for the time master's notes `start` and `end`: for programs that look for them (tests, measurements).
     parser.add_argument('--notes', default=None, help=argparse.SUPPRESS)
-    parser.add_argument('--no-windows', action='store_true', help=argparse.SUPPRESS)  # from `verify` and rostest
+    parser.add_argument('--no-displays', action='store_true', help=argparse.SUPPRESS)  # from `verify` and rostest
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--series', type=json.loads, help=argparse.SUPPRESS)  # from `--script`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
@@ -155,7 +155,7 @@ def _run_in(own, folder, options, files):
         environment=((error_lines.VARIABLE, own), *((('TMPDIR', folder),) if folder else ())),
         own_environment=() if options.own_hash_seed is None else (('PYTHONHASHSEED', str(options.own_hash_seed)),),
         is_reversed=options.start_order == 'reversed',
-        **({} if options.no_windows else {'no_windows': _why_no_windows()}))
+        **({} if options.no_displays else {'no_displays': _why_no_displays()}))
     config = plan.read(files, asked_run.tolerant or asked_run.adopt)
     if asked_run.adopt:
         asked = _adopted(config, asked, options)
@@ -173,7 +173,7 @@ def _run_in(own, folder, options, files):
     return _conclude(made, launched, ends.judge(found, ends.read_log(log)), log, options)
 
 
-def _why_no_windows():
+def _why_no_displays():
     has_screen = any(os.environ.get(name) for name in ('DISPLAY', 'WAYLAND_DISPLAY'))
     return '' if has_screen else 'there is no screen here (DISPLAY is not set)'
 
