@@ -221,20 +221,6 @@ def test_robots_that_would_end_with_an_error_are_named_and_those_of_a_simulator_
 
 
 
-@pytest.mark.parametrize(('words', 'problem'), [
-    (['/move_base/use_map=true', '/move_base/routes=grid'], None),
-    (['/move_base={use_map: true, routes: grid}'], None),
-    (['/move_base={use_map: true}', 'move_base/routes=grid'], None),
-    (['/move_base={routes: grid}'], "routes: got 'grid' with use_map: false"),
-    (['/move_base={use_map: maybe}'], "use_map: got 'maybe'")])
-def test_parameters_of_the_user_are_checked_as_they_are_set(package, words, problem):
-    path = package('one.launch', '<launch><node pkg="move_base" type="move_base" name="move_base"/></launch>')
-    given = [word for one in words for word in ('--param', one)]
-    run = launched.read_words(['--adopt', *given, path])[1].run
-    problems = adoption.adopt(plan.read([(path, [])], True), plan.launch_options(run), read_settings).problems
-    assert [problem in one for one in problems] == ([True] if problem else [])
-
-
 def test_what_cannot_start_here_is_left_out_and_told(package):
     package('scripts/old.py', '#!/usr/bin/env python\nprint "old"\n', 0o755)
     package('scripts/needs.py', '#!/usr/bin/env python3\nimport rospy\nfrom of_a_stranger.msg import Task\n', 0o755)

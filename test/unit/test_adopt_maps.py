@@ -7,6 +7,8 @@ import pytest
 from roslaunch.core import Node
 
 from move_base_abstract.common.geometry import Pose2D
+from move_base_abstract.common.options import of_words
+from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract_ros.adopting import floors
 from move_base_abstract_ros.launching import started
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
@@ -210,3 +212,16 @@ def test_a_floor_plan_that_cannot_be_read_is_no_map(package, pose):
     made = adopt(without_map(write_stage(package, pose)))
     assert made.options.add == {}
     assert remarks(made, "places in Stage's world are used as places of the map")
+
+
+@pytest.mark.parametrize(('words', 'problem'), [
+    (['/move_base/use_map=true', '/move_base/routes=grid'], None),
+    (['/move_base={use_map: true, routes: grid}'], None),
+    (['/move_base={use_map: true}', 'move_base/routes=grid'], None),
+    (['/move_base={routes: grid}'], "routes: got 'grid' with use_map: false"),
+    (['/move_base={use_map: maybe}'], "use_map: got 'maybe'")])
+def test_parameters_of_the_user_are_checked_as_they_are_set(package, words, problem):
+    path = package('one.launch', '<launch><node pkg="move_base" type="move_base" name="move_base"/></launch>')
+    given = [word for one in words for word in ('--param', one)]
+    problems = adopt(path, param=of_words(RunOptions, given).param).problems
+    assert [problem in one for one in problems] == ([True] if problem else [])
