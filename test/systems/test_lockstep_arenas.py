@@ -58,9 +58,10 @@ class ArenasTest(unittest.TestCase):
         path = os.path.join(FOLDER, 'unplaced.py')
         with open(path) as script:
             expected = [number for number, line in enumerate(script, 1) if '# labelled' in line]
-        *places, last = run.state.not_repeatable_because
+        *places, waits, last = run.state.not_repeatable_because
         told = [re.search('{}, line ([0-9]+)'.format(re.escape(path)), label) for label in places]
         self.assertEqual([int(match.group(1)) for match in told], expected)
+        self.assertIn('had input from outside', waits)  # by the lock for which the program waits
         self.assertIn('addresses of objects are used again, after threads that lockstep does not order', last)
 
 
