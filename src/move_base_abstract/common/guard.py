@@ -45,6 +45,7 @@ def stand(name: str) -> None:
             signal.signal(signal.SIGHUP, signal.SIG_IGN)
         _state.program = os.getpid()
         atexit.register(_stand_in, name)
+        os.register_at_fork(after_in_child=lambda: atexit.unregister(_stand_in))  # a node would ask for its number
         return
     temporary.let_go()
     code = _await(pid, handled)
