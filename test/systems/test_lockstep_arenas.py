@@ -58,10 +58,10 @@ class ArenasTest(unittest.TestCase):
         path = os.path.join(FOLDER, 'unplaced.py')
         with open(path) as script:
             expected = [number for number, line in enumerate(script, 1) if '# labelled' in line]
-        *places, waits, last = run.state.not_repeatable_because
+        # Whether the program still waits for its lock when the thread gives it back is chance.
+        *places, last = [label for label in run.state.not_repeatable_because if 'had input from outside' not in label]
         told = [re.search('{}, line ([0-9]+)'.format(re.escape(path)), label) for label in places]
         self.assertEqual([int(match.group(1)) for match in told], expected)
-        self.assertIn('had input from outside', waits)  # by the lock for which the program waits
         self.assertIn('addresses of objects are used again, after threads that lockstep does not order', last)
 
 
