@@ -209,7 +209,7 @@ def _carry_out(made, log, own, run_id, options):
         _complain(problem, this.printed(problem.name) if problem.code else (), problem.kind == run.ABSENT)
     found = this.end(run.Patience(1.0, 1.0) if guard.has_lost() else None)
     if asked:
-        say(guard.why(asked[-1]))
+        say(guard.why(asked[0]))
     return _BAD if is_bad or this.has_failed else _GOOD, found
 
 
