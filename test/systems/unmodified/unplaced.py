@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Show addresses of objects to which no arena belongs."""
-import _thread
 import os.path
 import threading
 
@@ -27,10 +26,10 @@ text = str(function)  # labelled
 print([one for one in {print, len}])  # labelled
 print(function.__hash__() % 7)  # labelled
 # A thread without turns gives one back, and few objects keep much memory.
-box, is_over = [Own()], _thread.allocate_lock()
-is_over.acquire()
-vars(threading)['_start_new_thread'](lambda: (box.clear(), is_over.release()), ())
-is_over.acquire()
+box = [Own()]
+vars(threading)['_start_new_thread'](box.clear, ())
+while box:
+    pass
 few = [Own() for _ in range(400000)][::100]
 print(len([Own() for _ in range(100000)]))
 rospy.sleep(1.0)
