@@ -347,35 +347,3 @@ def test_who_rests_goes_on_when_nothing_is_left_at_this_instant_and_all_do_at_on
         rest('main')
         program.sleep(5)
     assert program.run(main) == [('first', 0), ('second', 0), ('main', 0), ('other', 0), ('later', 5)]
-
-
-def test_who_is_let_go_holds_up_nobody_and_takes_the_turn_again_before_it_acts():
-    program = Program()
-    scheduler, begun, over = program.scheduler, threading.Event(), threading.Event()
-
-    def waits():
-        begun.set()
-        over.wait(GUARD)  # in the kernel: not by the scheduler
-        program.say('back')
-        program.sleep(2)
-        program.say('slept')
-
-    def main():
-        program.thread('waits', waits)
-        program.sleep(5)
-        program.say('main')
-        over.set()
-        while not scheduler.has_outside:
-            pass
-        program.sleep(3)
-
-    def watch():
-        begun.wait(GUARD)
-        holder = scheduler.turn_ident
-        assert not scheduler.let_go(holder, lambda: False)
-        assert scheduler.turn_ident == holder and scheduler.let_go(holder, lambda: True)
-        assert not scheduler.let_go(-1, lambda: True)
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    assert program.run(main) == [('main', 5), ('back', 5), ('slept', 7)]
-    watcher.join()

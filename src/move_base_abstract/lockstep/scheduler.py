@@ -46,6 +46,7 @@ class Scheduler(Looking, Beside):
         self.is_closed = False
         self.turn_ident = 0
         self.beside = {}
+        self._beside_lock = _make_lock()
         self._tasks: Dict[int, Task] = {}
         self._ready: Deque[Task] = deque()
         self._mail: Deque[Any] = deque()
