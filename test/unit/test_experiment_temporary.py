@@ -1,5 +1,6 @@
 """Temporary folders: what killed processes leave is removed, and nothing else."""
 import os
+import signal
 import tempfile
 
 import pytest
@@ -53,6 +54,7 @@ def test_what_is_in_use_or_not_ours_stays(tmp_path):
 
 def test_a_folder_that_is_kept_stays_and_one_whose_forks_have_ended_does_not(tmp_path):
     kept, removed, left_over = (temporary.make(name) for name in ('kept_', 'removed_', 'left_'))
+    (tmp_path / os.path.basename(kept) / 'file').write_text('for the user')
     temporary.keep(kept)
     temporary.remove(removed)
     temporary.remove(removed)  # it is gone already
@@ -74,4 +76,26 @@ def test_what_cannot_be_deleted_now_is_deleted_later(tmp_path, monkeypatch):
         patched.setattr(temporary.shutil, 'rmtree', lambda *_args, **_kwds: None)  # as if somebody still wrote there
         temporary.remove(path)
     assert temporary.remove_left() == [path]
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize('has_marker', [False, True])
+def test_what_is_left_by_who_is_killed_before_the_mark_is_removed_and_not_while_it_is_made(tmp_path, monkeypatch,
+                                                                                          has_marker):
+    def killed(path):
+        if has_marker:
+            open(os.path.join(path, MARKER), 'x').close()
+        assert temporary.remove_left() == []  # as by another program at this moment
+        assert os.path.isdir(path)
+        os.kill(os.getpid(), signal.SIGKILL)
+    pid = os.fork()
+    if pid == 0:
+        try:
+            monkeypatch.setattr(temporary.KIND, 'make', killed)
+            temporary.make('x_')
+        finally:
+            os._exit(1)
+    assert os.waitpid(pid, 0)[1] == signal.SIGKILL
+    left_over, = tmp_path.iterdir()
+    assert temporary.remove_left() == [str(left_over)]
     assert not os.listdir(tmp_path)

@@ -2,7 +2,7 @@
 
 A folder of :func:`make` is for the program's own files. It has our marker, and is removed at the end. If the program is
 killed, :func:`remove_left` removes it, which each guard calls: only if it has the marker, belongs to this user and is
-not locked.
+not locked; or if it has our name and is empty, because the program was killed before the marker was there.
 
 A :func:`temporary_folder` is for what the programs of one run put into TMPDIR, so that files of one run do not change
 the next one. Names of temporary files are functions of the seed, so files of an earlier run have the names that the
@@ -28,14 +28,23 @@ from .own_files import MARKER, FolderKind
 
 KIND = FolderKind('temporary folder')
 PREFIX = 'move_base_abstract_'
+_MADE = re.compile(PREFIX + '([a-z]+_)*[a-z0-9_]{8}')  # the names that make() gives
 _MOST = 64  # runs beside each other; numbers have two digits
 _markers: Dict[str, int] = {}  # the descriptors of the markers, by the paths of this process's folders
 
 
 def make(name: str) -> str:
     """Return the path of a new folder, whose name begins with PREFIX and ``name``."""
-    path = tempfile.mkdtemp(prefix=PREFIX + name)
-    _markers[path] = KIND.make(path)
+    while True:
+        path = tempfile.mkdtemp(prefix=PREFIX + name)
+        held = _hold(path, fcntl.LOCK_EX)
+        if held is not None or os.path.isdir(path):  # folders may have no locks, on some file systems
+            break
+    try:
+        _markers[path] = KIND.make(path)
+    finally:
+        if held is not None:
+            os.close(held)
     return path
 
 
@@ -60,7 +69,7 @@ def _delete(path: str) -> None:
 
 
 def keep(path: str) -> None:
-    """Let a folder of :func:`make` stay for the user."""
+    """Let a folder of :func:`make` stay for the user, unless it is empty."""
     with contextlib.suppress(OSError):
         os.unlink(os.path.join(path, MARKER))
     _release(path)
@@ -94,8 +103,13 @@ def remove_left() -> List[str]:
     removed = []
     for path in sorted(glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), PREFIX + '*'))):
         with contextlib.suppress(SimulatorError, OSError):
+            if os.path.islink(path):
+                continue
+            if _MADE.fullmatch(os.path.basename(path)) and _has_no_mark(path):
+                removed += [path] if _remove_empty(path) else []
+                continue
             status = os.lstat(os.path.join(path, MARKER))
-            if os.path.islink(path) or status.st_size == 0 or status.st_uid != os.getuid():
+            if status.st_size == 0 or status.st_uid != os.getuid():
                 continue
             marker = KIND.make(path)  # an error if it is not ours, or is locked
             try:
@@ -104,6 +118,25 @@ def remove_left() -> List[str]:
             finally:
                 os.close(marker)
     return removed
+
+
+def _has_no_mark(path: str) -> bool:
+    """Return whether a folder is as make() leaves it if its process is killed: empty, or with an empty marker."""
+    names = os.listdir(path)
+    return not names or (names == [MARKER] and os.path.getsize(os.path.join(path, MARKER)) == 0)
+
+
+def _remove_empty(path: str) -> bool:
+    """Remove a folder without a mark, if it is this user's and make() is not at work there; return whether it was."""
+    held = _hold(path)
+    if held is None:
+        return False
+    try:
+        if _has_no_mark(path):
+            _delete(path)
+        return not os.path.isdir(path)
+    finally:
+        os.close(held)
 
 
 @contextlib.contextmanager
@@ -150,14 +183,14 @@ def _leave(path: str, held: int, say: Callable[[str], None]) -> None:
     os.close(held)
 
 
-def _hold(path: str) -> Optional[int]:
+def _hold(path: str, lock: int = fcntl.LOCK_EX | fcntl.LOCK_NB) -> Optional[int]:
     """Make or take the folder and lock it; return its descriptor, or None if it is another run's or somebody else's."""
     held = None
     try:
         with contextlib.suppress(FileExistsError):
             os.mkdir(path, 0o700)
         held = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
-        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(held, lock)
         found = os.fstat(held)
         is_ours = found.st_uid == os.getuid() and stat.S_IMODE(found.st_mode) == 0o700
         if is_ours and os.path.samestat(found, os.stat(path, follow_symlinks=False)):
