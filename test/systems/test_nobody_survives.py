@@ -104,7 +104,8 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
                 (('demo', '--clock', 'scaled', '--factor', '1'), 'started in'),
                 (('experiment', 'run', 'trials.yaml', '-o', self.path('trials')), ' of 2 trials'),
                 (('verify', '--output', self.path('verified'), '--until', '1000000', self.file), ''),
-                (('pytest', '-p', 'move_base_abstract_testing', '-p', 'no:cacheprovider', 'test_it.py'), ''))
+                (('pytest', '-p', 'move_base_abstract_testing', '-p', 'no:cacheprovider', 'test_it.py'), ''),
+                (('chaos', '--until', '1000000', self.file), ''))
 
     def assert_nobody(self, said='', were_both=False):
         """Wait until no process is left; check that no folder is left either but those that ``said`` names.

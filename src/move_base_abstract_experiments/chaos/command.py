@@ -5,11 +5,11 @@ import argparse
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
+from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import list_of, number, similar, text
 from move_base_abstract.common.options import given, of_arguments, option, word_of, words_of
@@ -195,7 +195,7 @@ def _replay(options: argparse.Namespace) -> int:
 def _replay_test(made: Replay) -> int:
     """Run a test of pytest again, and compare its failure; return the exit code."""
     folder, name = made.test
-    with tempfile.TemporaryDirectory() as own:
+    with temporary.folder('chaos_') as own:
         path = os.path.join(own, 'chaos.json')
         try:
             code = subprocess.run(

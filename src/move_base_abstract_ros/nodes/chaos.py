@@ -4,7 +4,8 @@ import sys
 
 def main():
     """Run the command line and exit with its code."""
-    from move_base_abstract.common import lasting_output, processes
-    from move_base_abstract_experiments.chaos.command import main as run
+    from move_base_abstract.common import guard, lasting_output, processes
     lasting_output.outlive_readers()
+    guard.stand('chaos')
+    from move_base_abstract_experiments.chaos.command import main as run
     processes.finish(run(sys.argv[1:]))
