@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence
@@ -11,6 +10,7 @@ from move_base_abstract.common.shown import pasted
 from move_base_abstract.lockstep import replay_file
 from move_base_abstract.runs import ends
 from move_base_abstract.runs.built_in import Broken
+from move_base_abstract_ros.launching.bags import digest
 from move_base_abstract_ros.launching.outputs import Files
 
 if TYPE_CHECKING:
@@ -121,17 +121,15 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
         return
     instants = [one.instant_ns for one in broken if one.instant_ns is not None]
     made = _decisions(os.path.join(system.folder, DECISIONS), min(instants, default=None))
-    said = ['{}, at {:.9g} s'.format(one['says'], one['time_ns'] * 1e-9) for one in made]
+    said = [*map(replay_file.said, made)]
     yield 'the chaos of seed {} made {} decision{}{}{}'.format(
         options.chaos_seed, len(said), 's' * (len(said) != 1), ' before that' * bool(instants),
         ', of these the last:' if len(said) > _MOST_DECISIONS else ':' if said else '')
     yield from ('    ' + line for line in said[-_MOST_DECISIONS:])
     text = broken[0].words() if broken else _first_line(bad)
-    with open(log, 'rb') as stream:
-        digest = hashlib.sha256(stream.read()).hexdigest()
     replay_file.write(os.environ.get(replay_file.VARIABLE) or os.path.join(system.folder, REPLAY), replay_file.Replay(
         [], options.chaos_seed, options.chaos_delay, [], broken[0].property if broken else 'test', text,
-        happened=said, sha256=digest, test=[_start_of(item), '{}::{}'.format(
+        happened=said, sha256=digest(log)[1], test=[_start_of(item), '{}::{}'.format(
             str(item.fspath), item.nodeid.partition('::')[2])]))
 
 

@@ -46,6 +46,11 @@ class Replay:
                                              **(chaos if self.seed else {})})
 
 
+def said(decision: Dict[str, Any]) -> str:
+    """Return a decision in words: "/b's message on /x reached /a before /c's message on /y, at 41.3 s"."""
+    return f"{decision['says']}, at {decision['time_ns'] * 1e-9:.9g} s"
+
+
 def write(path: str, replay: Replay) -> None:
     """Write a Replay as a whole file. It replaces only a file that `chaos` has written.
 

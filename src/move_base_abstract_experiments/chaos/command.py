@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Iterable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import ConfigurationError
@@ -154,7 +154,7 @@ def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
     assert shrunk.failure is not None
     made.only = [decision['name'] for decision in shrunk.decisions]
     made.failure, made.text, made.sha256 = shrunk.failure.name, shrunk.failure.text, shrunk.digest
-    made.happened = [_said(decision) for decision in shrunk.decisions]
+    made.happened = [replay_file.said(decision) for decision in shrunk.decisions]
     for line in made.happened:
         _say('  ' + line)
     replay_file.write(output, made)
@@ -170,11 +170,6 @@ def _changed(options: argparse.Namespace) -> List[str]:
 
 def _counted(count: int, what: str = 'decision') -> str:
     return f"{count} {what}{'s' * (count != 1)}"
-
-
-def _said(decision: Dict[str, Any]) -> str:
-    """Return a decision in words: "/b's message on /x reached /a before /c's message on /y, at 41.3 s"."""
-    return f"{decision['says']}, at {decision['time_ns'] * 1e-9:.9g} s"
 
 
 def _replay(options: argparse.Namespace) -> int:
