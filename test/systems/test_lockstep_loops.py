@@ -158,7 +158,7 @@ class TextsTest(unittest.TestCase):
             shutil.which('rostopic'), 'pub', '-r', '2', 'greeting', 'std_msgs/String', 'data: hello']}, until=10.0)
         self.assertEqual(run.printed('texts'), [
             'log 2020-01-01 00:00:01,500 heard', 'mission 1.500000000 2020-01-01 00:00:01.500000', 'True',
-            'plugin 2.000000000', '3 2 True', 'True'])
+            'plugin 2.000000000', '3 2 True', '[1] [1] [1] [1]', 'True'])
         labels = ' '.join(run.state.not_repeatable_because)
         self.assertIn("'/texts': mission.txt, line 7: goes through a set of objects", labels)
         self.assertIn("'/texts': os.getpid in ", labels)  # by way of email.utils

@@ -16,7 +16,7 @@ ASK, HASHED, FILE_TIME = '__lockstep_ask__', '__lockstep_hashed__', '__lockstep_
 #: likewise: ``KEPT(id)`` where the address is kept as a key, ``SHOWN(value, how)`` for what may be a text that shows an
 #: address, ``SHOWING(function)`` for a function such as ``repr`` that is handed on to be called
 KEPT, SHOWN, SHOWING = '__lockstep_kept__', '__lockstep_shown__', '__lockstep_showing__'
-#: likewise, for ``compile``; ``TEXT(source, 'exec' or 'eval', globals or None)`` for texts that the program runs
+#: likewise, for ``compile``; ``TEXT('exec' or 'eval', source, ...)`` gets and returns all arguments of these functions
 COMPILING, TEXT = '__lockstep_compiling__', '__lockstep_text__'
 #: attributes whose values are handed to ASK
 MOMENTS = frozenset(('now', 'utcnow', 'today'))
@@ -85,10 +85,10 @@ class _Asking(ast.NodeTransformer):
             node.func = _handed(ASK, node.func)
             return node
         mode = getattr(node.func, 'id', '')
-        if mode in _RUN and node.args and not _has_builtins(node):
-            handed = _handed(TEXT, node.args[0])
-            handed.args += [ast.Constant(value=mode), *(one for one in node.args[1:2] if isinstance(one, ast.Name))]
-            node.args[0] = handed
+        if mode in _RUN and node.args and not node.keywords:
+            handed = _handed(TEXT, ast.copy_location(ast.Constant(value=mode), node))
+            handed.args += node.args
+            node.args = [ast.copy_location(ast.Starred(value=handed, ctx=ast.Load()), node)]
         name = getattr(node.func, 'attr', '')
         if name == '__hash__':
             node.func = _handed(ASK, node.func)
@@ -159,12 +159,6 @@ def _is_present_of_numpy(node: ast.Call) -> bool:
     """Return whether a call is ``numpy.datetime64('now')`` or ``('today')``."""
     return getattr(node.func, 'attr', '') == 'datetime64' and bool(node.args) and getattr(
         node.args[0], 'value', None) in ('now', 'today')
-
-
-def _has_builtins(node: ast.Call) -> bool:
-    """Return whether a call's arguments are spread out, or name builtins of their own."""
-    return any(isinstance(one, ast.Starred) or getattr(one, 'value', None) == '__builtins__'
-               for argument in node.args[:2] for one in ast.walk(argument))
 
 
 def _is_of_id(node: Any) -> bool:

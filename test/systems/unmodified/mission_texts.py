@@ -47,4 +47,8 @@ again = rospy.Subscriber('greeting', String, heard.append)
 load(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'mission_plugin.py')).wait_for(heard)
 print('plugin %.9f' % rospy.get_time())
 print(eval('1 + n', {'n': 2, '__builtins__': {}}), eval(' len(names)', {'names': 'ab'}), eval('len(heard) > 0'))
+bare = {'': {'__builtins__': {}}}
+TEXT = '[one for one in {1}]'
+print(eval(TEXT, bare['']), eval(compile(TEXT, 'bare', 'eval'), bare['']), eval(*(TEXT, {'__builtins__': None})),
+      eval(TEXT, dict(__builtins__={})))
 print(email.utils.make_msgid() != '', file=sys.stderr)

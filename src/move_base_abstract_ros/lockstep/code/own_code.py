@@ -19,6 +19,7 @@ import re
 import sys
 import sysconfig
 import types
+import weakref
 from functools import lru_cache
 from typing import Any, Callable, Dict, FrozenSet, Iterator, Set, Union
 
@@ -37,6 +38,8 @@ _PACKAGES = re.compile(r'/(site|dist)-packages(/|$)')
 _GENERATED = re.compile(r'(^|/)(msg|srv|cfg)/')
 _SHARED = {'', '.', '..', 'bin'}  # folders that do not belong to one distribution alone
 _FUTURES = sum(getattr(__future__, name).compiler_flag for name in __future__.all_feature_names)
+#: {code: arguments of compile} of what :func:`_compile` has made
+_compiled: Any = weakref.WeakKeyDictionary()
 _LARGEST = 16 * 1024 * 1024  # the most bytes that are read of a list of installed files
 #: the folders of this package
 OWN = (os.path.normpath(os.path.join(os.path.dirname(__file__), *[os.pardir] * 2)) + '/',
@@ -156,22 +159,25 @@ def _compile(source: Any, filename: Any, mode: str, flags: int = 0, dont_inherit
     inherited = 0 if dont_inherit else sys._getframe(1).f_code.co_flags & _FUTURES
     if flags & ~_FUTURES or mode == 'single' or not isinstance(source, (str, bytes)) or not isinstance(filename, str):
         return compile(source, filename, mode, flags | inherited, True, optimize, **others)
-    return compile_own(source, filename, mode, flags | inherited)
+    code = compile_own(source, filename, mode, flags | inherited)
+    _compiled[code] = source, filename, mode, flags | inherited
+    return code
 
 
-def _text(source: Any, mode: str, names: Any = None) -> Any:
-    """Return the code of a text that the program hands to ``exec`` or ``eval``, for names that have Python's builtins.
-
-    ``names``: the globals that it hands on; None: its own.
-    """
+def _text(mode: str, source: Any, *others: Any) -> Any:
+    """Return the arguments of ``exec`` or ``eval``, a text as code if the names that it gets have Python's builtins."""
     frame = sys._getframe(1)
     is_shadowed = mode in frame.f_globals or mode in frame.f_locals
-    if is_shadowed or not isinstance(source, (str, bytes)) or isinstance(names, dict) and names.get(
-            '__builtins__', builtins) not in (builtins, builtins.__dict__):
-        return source
+    names = others[0] if others else None
+    if isinstance(names, dict) and names.get('__builtins__', builtins) not in (builtins, builtins.__dict__):
+        if isinstance(source, types.CodeType) and source in _compiled:
+            source = compile(*_compiled[source], dont_inherit=True)  # what is added calls builtins that are not there
+        return (source, *others)
+    if is_shadowed or not isinstance(source, (str, bytes)):
+        return (source, *others)
     blanks: Any = ' \t' if isinstance(source, str) else b' \t'
-    return compile_own(source.lstrip(blanks) if mode == 'eval' else source, '<string>', mode,
-                       frame.f_code.co_flags & _FUTURES)
+    return (compile_own(source.lstrip(blanks) if mode == 'eval' else source, '<string>', mode,
+                        frame.f_code.co_flags & _FUTURES), *others)
 
 
 @lru_cache(maxsize=256)
