@@ -261,7 +261,7 @@ class HabitsTest(unittest.TestCase):
         lines = run.printed('waits')
         self.assertEqual(lines[-2:], ["1 1 1 b'x'", 'slept'])
         self.assertEqual([line.split()[0] for line in lines[:-2]],
-                         ['selector', 'poll', 'select', 'recv', 'queue', 'event', 'mutex', 'lock'])
+                         ['selector', 'poll', 'epoll', 'select', 'recv', 'queue', 'event', 'mutex', 'lock'])
         self.assertEqual({line.partition(' after ')[2] for line in lines[1:-2] if 'queue' not in line}, {'2 looks'})
         labels = ' '.join(run.state.not_repeatable_because)
         for name in ('selectors', 'select.poll', 'select.select', 'socket.recv', 'multiprocessing'):

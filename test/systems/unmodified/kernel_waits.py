@@ -20,6 +20,8 @@ selector = selectors.DefaultSelector()
 selector.register(ours, selectors.EVENT_READ)
 poll = select.poll()
 poll.register(ours, select.POLLIN)
+epoll = select.epoll()
+epoll.register(ours, select.EPOLLIN)
 jobs, event, lock, mutex = multiprocessing.Queue(), multiprocessing.Event(), _thread.allocate_lock(), multiprocessing.Lock()
 lock.acquire()
 mutex.acquire()
@@ -40,6 +42,7 @@ def receive():
 
 
 for name, wait in (('selector', lambda: selector.select(0.25)), ('poll', lambda: poll.poll(250)),
+                   ('epoll', lambda: epoll.poll(timeout=0.25, maxevents=1)),
                    ('select', lambda: select.select([ours], [], [], 0.25)), ('recv', receive), ('queue', get),
                    ('event', lambda: event.wait(0.25)), ('mutex', lambda: mutex.acquire(timeout=0.25)),
                    ('lock', lambda: lock.acquire(timeout=0.25))):

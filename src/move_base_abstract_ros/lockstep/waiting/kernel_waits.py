@@ -133,10 +133,10 @@ class _Poll:
     def __exit__(self, *_error: Any) -> None:
         self._machine.close()
 
-    def poll(self, timeout: Optional[float] = None, *most: int) -> Any:
+    def poll(self, timeout: Optional[float] = None, *most: int, **words: int) -> Any:
         """Wait as the original does."""
         def ask(seconds: Optional[float]) -> Any:
-            return self._machine.poll(timeout if seconds is None else seconds * self._unit, *most)
+            return self._machine.poll(timeout if seconds is None else seconds * self._unit, *most, **words)
         return self._wait(ask, None if timeout is None or timeout < 0 else timeout / self._unit, sys._getframe(1))
 
 
