@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _LONGEST, _LONGEST_WITH_CHILDREN, _AGAIN = 5.0, 60.0, 0.3  # s, wall
 _WAITS = kernel_waits.__file__
+_STANDARD_ERROR = 2  # the number of its descriptor
 #: numbers of system calls in which a thread does not wait for somebody outside: wait4, waitid, futex, nanosleep,
 #: clock_nanosleep, futex_waitv; and of those that write
 _OTHERS: Dict[str, Tuple[Set[int], Set[int]]] = {
@@ -52,14 +53,17 @@ class Outside:
             self._seen, self._since = seen, now
             return
         place = _place_of(ident, is_lock=seen[-1])
-        if place is None or now - self._since < self._longest(place):
+        longest = 0.0 if place is None else self._longest(place)
+        if place is None or now - self._since < longest:
             return
-        if self._scheduler.let_go(ident, lambda: self._waits_of(ident) == seen):
+        if not self._scheduler.let_go(ident, lambda: self._waits_of(ident) == seen):
+            return
+        self._seen = None
+        if place not in self._places:
             self._places.add(place)
-            self._seen = None
             told.tell_place(place, linecache.getline(*place).strip() or 'a call',
                             'waits for somebody outside for longer than {:g} s of the wall clock; simulated time goes '
-                            'on beside it'.format(_LONGEST))
+                            'on beside it'.format(longest))
 
     def _longest(self, place: Tuple[str, int]) -> float:
         if place in self._places:
@@ -84,7 +88,7 @@ class Outside:
                 waits = [line for line in status if line.startswith('voluntary_')]
         except (OSError, ValueError):  # it runs
             return None
-        if self._calls is None or number < 0 or number in self._calls[1] and descriptor <= sys.stderr.fileno():
+        if self._calls is None or number < 0 or number in self._calls[1] and descriptor <= _STANDARD_ERROR:
             return None
         return ident, number, waits, number in self._calls[0]
 
