@@ -4,8 +4,8 @@
 // which any member may still act, so nothing that happens from there on reaches a member before
 // begin + lookahead. All members whose next turn comes before that are granted at once. See
 // docs/lockstep_windows.md.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_DISPLAYS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_DISPLAYS_H
+#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
+#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
 
 #include <string>
 #include <vector>
@@ -77,4 +77,4 @@ class RoundWindows {
 
 }  // namespace move_base_abstract
 
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_DISPLAYS_H
+#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
