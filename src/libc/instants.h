@@ -15,6 +15,13 @@ namespace shim {
 constexpr Nanoseconds kSecond = 1'000'000'000;
 constexpr Nanoseconds kMicrosecond = 1000;
 
+/** Who only looks at something, again and again, waits for it. So time goes on by this [ns]. */
+constexpr Nanoseconds kPassage = 1'000'000;
+/** It does so after this many reads of clocks without another wait, */
+constexpr unsigned kClockReads = 1000000;
+/** and after as many more again: a program that has read so many does nothing else. */
+constexpr unsigned kClockReadsAgain = 10000;
+
 inline Nanoseconds toNs(const timespec& time) { return time.tv_sec * kSecond + time.tv_nsec; }
 inline timespec toTimespec(Nanoseconds time) { return {time / kSecond, time % kSecond}; }
 

@@ -8,10 +8,11 @@
 namespace move_base_abstract::native {
 namespace {
 
+using shim::kClockReads;
+using shim::kClockReadsAgain;
 using shim::kMicrosecond;
+using shim::kPassage;
 
-constexpr int kLooks = 1000000;             // number of looks without a wait until a clock goes on
-constexpr Nanoseconds kStep = 1'000'000;    // by which it goes on then
 constexpr Nanoseconds kPause = 50'000'000;  // wall, between two looks at the processor's time
 
 Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
@@ -21,7 +22,7 @@ std::atomic<bool> go_on_computing{false};
 /** @brief A thread's looks at clocks, and the time that it has computed meanwhile. */
 struct Looking {
   Nanoseconds at;        // simulated time of the first of these looks
-  int looks;             // number of looks at that time, less than kLooks
+  unsigned looks;        // number of looks at that time, less than kClockReads
   Nanoseconds computed;  // the processor's time from which computing is counted
   Nanoseconds checked;   // wall time of the last look at the processor's time
   Nanoseconds slept;     // how far the clocks of a stray thread have gone on by themselves
@@ -57,15 +58,15 @@ void countLook(Sees whose, const void* caller) {
     me->checked = machineTime(CLOCK_MONOTONIC_COARSE);
   }
   countComputing(me, whose, caller);
-  if (++me->looks < kLooks) {
+  if (++me->looks < kClockReads) {
     return;
   }
-  me->looks = 0;
+  me->looks = kClockReads - kClockReadsAgain;
   if (whose == Sees::kRun && mayCall()) {
-    sleepInPython(-kStep);
+    sleepInPython(-kPassage);
     me->at = cell(kNow);  // its own looks have let time go on; that is not a wait
   } else {
-    goOn(kStep, whose);
+    goOn(kPassage, whose);
   }
 }
 

@@ -18,7 +18,6 @@ constexpr Nanoseconds kEpoch =
     1'577'836'800 * kSecond;                 // 2020-01-01 UTC; each seed adds one second
 constexpr Nanoseconds kSeeds = 315'360'000;  // about ten years
 constexpr Nanoseconds kUptime = 3600 * kSecond;
-constexpr Nanoseconds kStep = 1'000'000;  // by which a clock goes on that is only looked at
 
 Real<int(clockid_t, timespec*)> real_gettime("clock_gettime");
 
@@ -39,7 +38,7 @@ void countRead() {
     countClockRead();
   } else if (++reads % kClockReads == 0) {
     tellPassage("a clock");
-    slept += kStep;
+    slept += kPassage;
   }
 }
 

@@ -26,12 +26,12 @@ const std::array<const char*, 7> kMethods = {"setParam",      "deleteParam", "ge
                                              "subscribeParam"};
 /** Parameters that roslaunch sets about itself; their names contain ports of this machine. */
 constexpr const char* kOfRoslaunch = "/roslaunch/uris/";
-/** After kLooks looks at one parameter, with at most kStep of simulated time [ns] between two, they
+/** After kLooks looks at one parameter, with at most kPassage of simulated time between two, they
  * count as a loop that waits for it. */
 constexpr unsigned kLooks = 100;
-constexpr Nanoseconds kStep = 1'000'000;
 /** roscpp looks at this parameter for each line that the program logs, and does not wait for it.
- * But a loop that waits for something else may log, so kLines lines of one instant take kStep. */
+ * But a loop that waits for something else may log, so kLines lines of one instant take kPassage.
+ */
 constexpr const char* kOfLogging = "/rosout_disable_topics_generation";
 constexpr unsigned kLines = 1000;
 
@@ -118,7 +118,8 @@ bool Parameters::answer(const std::string& method, const XmlRpcValue& request, X
 void Parameters::look(const std::string& name) {
   const bool is_logging = name == kOfLogging;
   Repeated& look = looks_[name];
-  if (countRepeated(&look, is_logging ? kLines : kLooks, is_logging ? 0 : kStep, "a parameter") &&
+  if (countRepeated(&look, is_logging ? kLines : kLooks, is_logging ? 0 : kPassage,
+                    "a parameter") &&
       is_logging) {
     look.count = 1;  // this line is the first one of the new instant
   }

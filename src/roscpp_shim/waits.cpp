@@ -24,7 +24,6 @@ namespace {
 
 constexpr unsigned kIdlePolls = 3;      // waits in vain, after which a loop is one that waits
 constexpr unsigned kEmptyPolls = 1000;  // looks in vain, after which simulated time goes on
-constexpr Nanoseconds kPollPeriod = 1'000'000;
 
 unsigned spinner_stops = 0;  // number of calls that stopped an AsyncSpinner
 StoringLoops is_storing_loop = nullptr;
@@ -165,26 +164,27 @@ bool sleepUntil(Nanoseconds until) {
 
 void setStoringLoops(StoringLoops is_storing) { is_storing_loop = is_storing; }
 
+void passTime(const char* call) {
+  tellPassage(call);
+  Wait wait;
+  wait.until = node().now() + kPassage;
+  turn().wait(std::move(wait));
+}
+
 void countClockRead() {
-  unsigned* const count = &Turn::self()->clock_reads;
-  if (*count + 1 < kClockReads) {
-    ++*count;
-    return;
+  unsigned& reads = Turn::self()->clock_reads;
+  if (++reads >= kClockReads) {
+    passTime("a clock");
+    reads = kClockReads - kClockReadsAgain;  // any other wait begins the count anew
   }
-  countLook(count, kClockReads);
-  *count = kClockReads - kClockReadsAgain;  // any other wait begins the count anew
 }
 
 bool countRepeated(Repeated* done, unsigned limit, Nanoseconds slack, const char* call) {
-  constexpr Nanoseconds kPeriod = 1'000'000;
   const bool is_in_row = done->at >= 0 && node().now() <= done->at + slack;
   done->count = is_in_row ? done->count + 1 : 1;
   const bool takes_time = done->count > limit;
   if (takes_time) {
-    tellPassage(call);
-    Wait wait;
-    wait.until = node().now() + kPeriod;
-    turn().wait(std::move(wait));
+    passTime(call);
   }
   done->at = node().now();
   return takes_time;
@@ -193,10 +193,7 @@ bool countRepeated(Repeated* done, unsigned limit, Nanoseconds slack, const char
 void countLook(unsigned* count, unsigned limit) {
   if (++*count >= limit) {
     *count = 0;
-    tellPassage("a clock, a queue or a lock");
-    Wait wait;
-    wait.until = node().now() + kPollPeriod;
-    turn().wait(wait);
+    passTime("a queue, a sleep or a lock");
   }
 }
 

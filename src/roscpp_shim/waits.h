@@ -18,12 +18,13 @@ using StoringLoops = bool (*)(const void* caller);
 /** @brief Set the function that recognises such loops; for code that knows a library with one. */
 void setStoringLoops(StoringLoops is_storing);
 
+/** @brief Let kPassage of simulated time pass in a loop of @p call, which names it for labels.
+ * @pre The thread has the turn. */
+void passTime(const char* call);
+
 /** @brief Count a look of a thread that looks again and again without waiting. After @p limit looks
  * it lets simulated time go on. */
 void countLook(unsigned* count, unsigned limit);
-
-constexpr unsigned kClockReads = 1000000;     // reads at one instant, after which time goes on,
-constexpr unsigned kClockReadsAgain = 10000;  // and those after which it goes on again
 
 /** @brief Count that the calling thread, which has the turn, has read a clock. */
 void countClockRead();
@@ -32,7 +33,7 @@ void countClockRead();
  * @brief Count what a thread does again and again without waiting, for example questions.
  *
  * After @p limit times in a row, with at most @p slack of simulated time [ns] between two, it
- * counts as a loop that waits so, and each takes 1 ms. @p call names it for labels.
+ * counts as a loop that waits so, and each takes kPassage. @p call names it for labels.
  * @return whether this one has taken its time. @pre The thread has the turn.
  */
 bool countRepeated(Repeated* done, unsigned limit, Nanoseconds slack, const char* call);

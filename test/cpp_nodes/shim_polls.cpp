@@ -3,6 +3,8 @@
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
+#include <string>
+
 #include "teller.h"
 
 namespace shim_polls {
@@ -24,9 +26,10 @@ int nodeMain(int argc, char** argv) {
   }
   teller.tell("five are heard");
   const ros::Time end = ros::Time::now() + ros::Duration(0.01);
-  while (ros::Time::now() < end) {
+  int looks = 1;
+  for (; ros::Time::now() < end; ++looks) {
   }
-  teller.tell("time has gone on");
+  teller.tell("time has gone on after " + std::to_string(looks) + " looks");
   const ros::Publisher latched = node.advertise<std_msgs::String>("latched", 1, true);
   latched.publish(std_msgs::String());
   const ros::Time later = ros::Time::now() + ros::Duration(0.02);

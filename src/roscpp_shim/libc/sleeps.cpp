@@ -20,7 +20,6 @@ namespace {
 constexpr Nanoseconds kPatience = 5 * kSecond;  // wall
 constexpr unsigned kNaps = 10000;               // sleeps at one instant, of any length
 constexpr unsigned kYields = 100;               // in a row, after which simulated time goes on
-constexpr Nanoseconds kYieldPeriod = 1'000'000;
 
 Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 
@@ -28,16 +27,16 @@ Real<int(const timespec*, timespec*)> real_nanosleep("nanosleep");
 
 /** A thread that gives way again and again waits for something that may need time to go on. */
 void giveWay(const char* call) {
-  tellPassage(call);
   Task& me = *Turn::self();
   const unsigned yields = me.yields + 1;
-  Wait wait;
   if (yields < kYields) {
+    tellPassage(call);
+    Wait wait;
     wait.next_round = true;
+    turn().wait(std::move(wait));
   } else {
-    wait.until = node().now() + kYieldPeriod;
+    passTime(call);
   }
-  turn().wait(std::move(wait));
   me.yields = yields;  // any other wait begins the count anew
 }
 

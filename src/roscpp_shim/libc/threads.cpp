@@ -18,7 +18,6 @@ namespace move_base_abstract::shim {
 namespace {
 
 constexpr unsigned kVainWaits = 1000;
-constexpr Nanoseconds kPollPeriod = 1'000'000;
 
 /**
  * @brief Take a lock. If a waiting thread of the program has it, wait by giving the turn away.
@@ -58,7 +57,7 @@ int waitOn(pthread_cond_t* condition, pthread_mutex_t* mutex, Nanoseconds lasts)
   Task& me = *Turn::self();
   if (lasts <= 0 && ++me.empty_polls >= kVainWaits) {  // not a wait, but a look, as many before
     tellPassage("a wait for a condition");
-    lasts = kPollPeriod;
+    lasts = kPassage;
   }
   Wait wait;
   wait.object = condition;

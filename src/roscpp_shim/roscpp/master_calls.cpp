@@ -38,8 +38,6 @@ const std::array<const char*, 5> kQuestions = {"getPublishedTopics", "getTopicTy
                                                "getSystemState", "lookupNode", "lookupService"};
 /** After this many questions in a row, they count as a loop that waits by asking. */
 constexpr unsigned kAsked = 100;
-/** At most this time passes between two questions of such a loop [ns, simulated]. */
-constexpr move_base_abstract::Nanoseconds kStep = 1'000'000;
 
 /** @return whether one of the program's threads calls, and has the turn. */
 bool isOfProgram() {
@@ -49,7 +47,7 @@ bool isOfProgram() {
 /** @brief Wait until no participant has anything left to do; in a loop of questions time goes on.
  */
 void awaitOthers() {
-  shim::countRepeated(&shim::Turn::self()->questions, kAsked, kStep, "the ROS master");
+  shim::countRepeated(&shim::Turn::self()->questions, kAsked, shim::kPassage, "the ROS master");
   shim::Wait wait;
   wait.at_rest = true;
   shim::turn().wait(wait);
