@@ -54,3 +54,20 @@ def test_robots_whose_bases_have_prefixes_do_not_share_the_frame_of_their_odomet
     made = adopt(package('two.launch', '<launch>{}{}</launch>'.format(
         robot.format('a', '/map'), robot.format('b', 'b/wheels'))))
     assert made.options.param == {'/a/move_base/odom_frame': 'a/odom'}
+
+
+def test_the_prefix_that_the_user_gives_to_a_namespace_stays(package):
+    group = '<group ns="{}"><node pkg="move_base" type="move_base" name="move_base"/></group>'
+    path = package('two.launch', '<launch>{}{}</launch>'.format(group.format('a'), group.format('b')))
+    made = adopt(path, param={'/a/tf_prefix': 'x'})
+    assert made.options.param == {'/a/tf_prefix': 'x', '/b/move_base/tf_prefix': 'b'}
+
+
+@pytest.mark.parametrize(('bases', 'expected'), [
+    (('left_base', 'right_base'), {'/a/move_base/odom_frame': 'a/odom', '/b/move_base/odom_frame': 'b/odom'}),
+    (('b_base', 'b_base'), {'/a/move_base/tf_prefix': 'a', '/b/move_base/tf_prefix': 'b'})])
+def test_robots_that_would_share_a_frame_do_not(package, bases, expected):
+    robot = """<node pkg="move_base" type="move_base" name="move_base" ns="{}">
+      <param name="global_costmap/robot_base_frame" value="{}"/></node>"""
+    path = package('two.launch', '<launch>{}{}</launch>'.format(*map(robot.format, 'ab', bases)))
+    assert adopt(path).options.param == expected

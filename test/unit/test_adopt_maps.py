@@ -101,6 +101,16 @@ def test_each_robot_uses_the_map_in_its_namespace_or_the_one_for_all(package):
     assert len(remarks(made, 'uses the map of')) == 2
 
 
+def test_the_topic_that_the_user_gives_is_the_one_of_the_map(package):
+    write_map(package)
+    text = '<launch>{}{}<node pkg="move_base" type="move_base" name="move_base"/></launch>'
+    path = package('one.launch', text.format(SERVER, SERVER.replace('name="map_server"', 'name="yard" ns="yard"')))
+    made = adopt(path, param={'/move_base/map_topic': '/yard/map'})
+    assert remarks(made, '/move_base uses the map of /yard/yard,')
+    assert remarks(made, 'no robot uses the map of /map_server on /map')
+    assert remarks(adopt(path, param={'/move_base/map_topic': '/x'}), 'nothing in the file serves /x')
+
+
 def test_a_second_map_that_no_robot_uses_is_named(file):
     made = adopt(file(server=SERVER + SERVER.replace('name="map_server"', 'name="keepout"').replace(
         '/>', '><remap from="map" to="keepout_map"/></node>')))
@@ -145,6 +155,21 @@ def test_robots_with_the_same_parameters_share_an_entry_and_the_policy_makes_pat
                                 'abort_policy: upstream)')
     made = adopt(path, param={'/a/move_base/abort_policy': 'upstream', '/b/move_base/abort_policy': 'upstream'})
     assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/a/move_base and /b/move_base: controller_patience']
+
+
+@pytest.mark.parametrize(('robot', 'add'), [
+    ('<include file="$(find of_nobody)/launch/move_base.launch"/>', {}),
+    ('', {'/r/move_base': 'move_base_abstract/move_base'})])
+def test_a_robot_that_is_added_is_one_like_those_of_the_file(package, robot, add):
+    write_map(package)
+    text = """<launch>{}<group ns="r">{}<param name="move_base/controller_patience" value="{}"/>
+      <param name="move_base/xy_goal_tolerance" value="{}"/></group></launch>"""
+    made = adopt(package('added.launch', text.format(SERVER, robot, 2.0, 0.25)), add=add)
+    assert not made.problems
+    assert remarks(made, '/r/move_base uses the map of /map_server, ') and remarks(made, 'tolerances 0.25 m')
+    assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/r/move_base: controller_patience']
+    problem, = adopt(package('added.launch', text.format(SERVER, robot, 2.0, -1.0)), add=add).problems
+    assert problem.startswith('/r/move_base would end with an error: parameter /r/move_base/xy_goal_tolerance: got -1')
 
 
 @pytest.mark.parametrize('image', ['/home/somebody/maps/walls.pgm', 'C:\\maps\\walls.pgm', 'not_here/walls.pgm'])

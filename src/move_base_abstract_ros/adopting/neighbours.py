@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 _LEVELS = 3  # above the file's own package
 _DEPTH = 5
 _MOST_FOLDERS = 3000
-_NOT_ABOVE = ('/', '/home', '/opt', '/tmp', '/usr', '/var', '/root', '/work', os.path.expanduser('~'))
+_NOT_ABOVE = ('/', '/home', '/opt', '/tmp', '/usr', '/var', '/root', os.path.expanduser('~'))
 
 
 def find(name, path):

@@ -50,15 +50,16 @@ class Start(NamedTuple):
     by_order: bool
 
 
-def robots_of(config, hints):
+def robots_of(config, hints, asked=()):
     """Return the Robots of a configuration, in the order of its nodes, and those that need a move_base.
 
     A robot needs one if a launch file that is not here would start it, by its name. If no robot is found so, each robot
-    of the ``hints`` gets one.
+    of the ``hints`` gets one. ``asked``: full names of robots that are added, since the user asks for it.
     """
     nodes = [node for node in config.nodes if _is_robot(node)]
     found = [Robot(poses.name_of(node), node.namespace, _names(config, node), place=node.filename or '')
-             for node in nodes]
+             for node in nodes] + [_new(poses.absolute(name.rpartition('/')[0]), '', '--add')._replace(name=name)
+                                   for name in asked]
     known = {one.namespace for one in found}
     for one in getattr(config, 'missing', ()):
         if one.kind == 'include' and kinds.stands_for_a_robot(one.name):

@@ -60,7 +60,8 @@ class _Adoption:
         self.floors = {}  # {path of a world of Stage: the map_server of its floor plan}
         self.settings = {}  # {name: settings} of our robots
         self.hints, self.stages = poses.hints(config)
-        self.robots = robots.robots_of(config, self.hints)
+        self.robots = robots.robots_of(config, self.hints, [
+            name for name, added in options.add.items() if given.split(added)[:2] == (PACKAGE, robots.OWN[0])])
 
     def adopted(self):
         """Apply the rules to the nodes, the robots and what is missing, and return an Adopted."""
@@ -150,7 +151,7 @@ class _Adoption:
             self._leave(node, 'our robots publish this frame themselves')
         elif word == kinds.STATE and 'gui' in node.type:
             self._leave(node, 'it waits for a person')
-        elif word == kinds.STATE and not self._is_described(node):
+        elif word == kinds.STATE and not served.nearest(node.namespace, 'robot_description', self.values()):
             self._leave(node, 'there is no robot_description')
         elif ((node.package, node.type) == ('rosbag', 'play') or kinds.looks_like_a_clock(node.type)) and (
                 roles.has_clock(node)):
@@ -159,11 +160,6 @@ class _Adoption:
             self._nodelet(node)
         else:
             self._look_for_program(node, kind)
-
-    def _is_described(self, node):
-        parts = node.namespace.strip('/').split('/')
-        return any(self._value('/'.join(['', *filter(None, parts[:count]), 'robot_description']), '')
-                   for count in range(len(parts) + 1))
 
     def _look_for_program(self, node, kind):
         path = roles.program_of(node)
@@ -263,21 +259,17 @@ class _Adoption:
 
     def _frames(self):
         """Give each robot a tf_prefix, or a frame of its odometry, if several robots would have the same frames."""
-        for robot in self.robots if len(self.robots) > 1 else ():
+        values = self.values()
+        bases = [str(values.get(robot.name + '/global_costmap/robot_base_frame', 'base_link')).strip('/')
+                 for robot in self.robots]
+        for robot, base in zip(self.robots, bases if len(bases) > 1 else ()):
             prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
-            frame = str(self._value(robot.name + '/global_costmap/robot_base_frame', 'base_link')).strip('/')
-            has_prefix = any(key in self.config.params for key in (
-                robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'))
-            if prefix and not has_prefix and '/' not in frame and prefix not in frame:
+            if not prefix or {robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'} & set(values):
+                continue
+            if bases.count(base) > 1:
                 self.param[robot.name + '/tf_prefix'] = prefix
-            elif not has_prefix and '/' in frame and not self._has_odometry(robot.name):
-                self.param[robot.name + '/odom_frame'] = frame.rpartition('/')[0] + '/odom'
-
-    def _has_odometry(self, name):
-        """Return whether the file says what the frame of a robot's odometry is: not the map's."""
-        said = str(self._value(name + '/local_costmap/global_frame', '')).strip('/')
-        maps = str(self._value(name + '/global_costmap/global_frame', 'map')).strip('/')
-        return name + '/odom_frame' in self.config.params or said not in ('', maps)
+            elif not _has_odometry(robot.name, values):
+                self.param[robot.name + '/odom_frame'] = (base.rpartition('/')[0] or prefix) + '/odom'
 
     def _stage_offsets(self):
         for stage in self.stages:
@@ -303,26 +295,29 @@ class _Adoption:
                     'jump ({3}). --leave-out {0} leaves it out; --participant {0} keeps it, if it only could publish '
                     '/clock'.format(name, node.package, node.type, _place(node)))
 
+    def ours(self, kept):
+        """Return [(Robot, its Node, or None if it is added)] of the robots that run this package's programs."""
+        nodes = {roles.name_of(node): node for node in kept if node.package == PACKAGE or not self.is_kept(node)}
+        added = {**self.options.add, **self.added}
+        return [(robot, nodes.get(robot.name)) for robot in self.robots if robot.name in nodes or robot.name in added]
+
     def _fatal(self, kept):
         """Note robots that would end with an error. Robots of simulators that are not there get the backend builtin."""
-        for node in kept:
-            name = roles.name_of(node)
-            if kinds.kind_of(node.package, node.type).word != kinds.ROBOT and not (
-                    node.package == PACKAGE and node.type in robots.OWN):
-                continue
-            words = poses.words_of(node.args)
-            if node.type == robots.OWN[1] and words[_STAGE_ARGUMENT:][:1] and words[_STAGE_ARGUMENT] in _OWN_CLOCKS:
+        for robot, node in self.ours(kept):
+            name, is_original = robot.name, node is not None and node.type == robots.OWN[1]
+            words = poses.words_of(node.args) if is_original else []
+            if words[_STAGE_ARGUMENT:][:1] and words[_STAGE_ARGUMENT] in _OWN_CLOCKS:
                 words[_STAGE_ARGUMENT] = 'builtin'
                 self.arguments[name] = ' '.join(map(shlex.quote, words))
                 self.done.append('{} has no simulator in this run: its second argument is builtin'.format(name))
-            if self._value(name + '/backend', 'builtin') in _OWN_CLOCKS:
+            if self.values().get(name + '/backend') in _OWN_CLOCKS:
                 self.param[name + '/backend'] = 'builtin'
                 self.done.append('{} has no simulator in this run: its backend is builtin'.format(name))
             try:
                 self.settings[name] = self.read_settings(self.below(name), name)
             except ConfigurationError as error:
                 self.problems.append('{} would end with an error: {}; --param NAME=VALUE sets another ({})'.format(
-                    name, error, _place(node)))
+                    name, error, robot.place))
 
     def below(self, name):
         """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
@@ -345,9 +340,6 @@ class _Adoption:
         """Return {full name: value} of all parameters of the run."""
         there = {key: param.value for key, param in self.config.params.items()}
         return {**there, **self.param, **dict(given.single(self.options.param))}
-
-    def _value(self, key, default):
-        return self.config.params[key].value if key in self.config.params else default
 
 
 def _kind_of(node):
@@ -383,6 +375,13 @@ def _missing(kind, name):
 def word_to_type(word):
     """Return the type of this package's node that replaces nodes of the kind ``word`` (kinds.MAP or kinds.ROBOT)."""
     return 'map_server' if word == kinds.MAP else 'move_base'
+
+
+def _has_odometry(name, values):
+    """Return whether the parameters say what the frame of a robot's odometry is: not the map's."""
+    said = str(values.get(name + '/local_costmap/global_frame', '')).strip('/')
+    maps = str(values.get(name + '/global_costmap/global_frame', 'map')).strip('/')
+    return name + '/odom_frame' in values or said not in ('', maps)
 
 
 def _is_of_robots(node):

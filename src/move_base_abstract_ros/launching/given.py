@@ -17,7 +17,7 @@ def add_to(config, options):
     for name, added in options.add.items():
         if name in names:
             raise ConfigurationError('--add {}: the launch file has a node of this name'.format(name))
-        config.nodes.append(_node(config, name, *_split(added)))
+        config.nodes.append(_node(config, name, *split(added)))
         names.append(name)
     for name, arguments in options.node_args.items():
         check_known('--node-args', name, names)
@@ -43,11 +43,11 @@ def single(parameters):
 
 def told(options):
     """Return lines for the user: the added nodes, and where robots start."""
-    return ['{} is added: {}/{}'.format(name, *_split(added)) for name, added in options.add.items()] + [
+    return ['{} is added: {}/{}'.format(name, *split(added)) for name, added in options.add.items()] + [
         '{} starts at ({:g}, {:g}, {:g})'.format(name, *pose) for name, pose in options.start.items()]
 
 
-def _split(added):
+def split(added):
     """Return (package, type, arguments) of 'PACKAGE/TYPE [ARGUMENTS]'."""
     kind, _, arguments = added.partition(' ')
     return (*kind.split('/'), arguments)

@@ -10,18 +10,16 @@ from move_base_abstract.common.errors import ConfigurationError
 
 from ..adopting import poses, robots, served
 from ..loopback import PACKAGE
-from . import roles
+from . import given, roles
 
 
 def use_maps(adoption, kept):
     """Have the robots use the maps that the ``kept`` nodes serve. A start that upstream would not allow may be left."""
-    nodes = {roles.name_of(node): node for node in kept}
     maps = _served(adoption, kept)
     used, ground_of = {}, _ground_of()
-    for robot in adoption.robots if maps else ():
-        node = nodes.get(robot.name)
-        if robot.name not in adoption.added and (node is None or not _is_ours(adoption, node)):
-            continue
+    for robot, node in adoption.ours(kept) if maps else ():
+        if node is not None and node.type != robots.OWN[0]:
+            continue  # the original package's program looks at no map
         try:
             one, settings, why = _used(adoption, robot, node, maps)
         except ConfigurationError:
@@ -50,12 +48,12 @@ def _used(adoption, robot, node, maps):
     if served.nearest(name, 'use_map', values) is False or {'use_map', 'compatible_with'} & set(group):
         return None, None, ''  # somebody has said what to do; the original package's robots know no routes
     settings = adoption.read_settings(group, name)
-    costmaps, frame = settings.costmaps, settings.values['global_frame']
-    if costmaps.map_topic is None:
+    own, frame = settings.values['map_topic'], settings.values['global_frame']
+    if own is None and settings.costmaps.map_topic is None:
         return None, None, 'its global costmap has no static layer'
     remaps = node.remap_args if node is not None else ()
-    wanted = served.resolved(costmaps.map_topic, robot.namespace, remaps)
-    one = next((one for topic in (wanted, '/map') for one in maps if one.topic == topic), None)
+    wanted = served.resolved(own or settings.costmaps.map_topic, robot.namespace, remaps)
+    one = next((one for topic in (wanted, own or '/map') for one in maps if one.topic == topic), None)
     if one is None:
         return None, None, 'nothing in the file serves {}'.format(wanted)
     if frame != one.frame_id:
@@ -64,7 +62,7 @@ def _used(adoption, robot, node, maps):
     param = {'use_map': True}
     if 'routes' not in group and group.get('allow_occupied_goals') is not True:
         param.update(routes='grid', leave_obstacles=True)
-    if one.topic != ('/map' if wanted == robot.namespace + 'map' else wanted) and 'map_topic' not in group:
+    if not own and one.topic != ('/map' if wanted == robot.namespace + 'map' else wanted):
         param['map_topic'] = one.topic
     adoption.param.update(('{}/{}'.format(name, key), value) for key, value in param.items() if key not in group)
     return one, adoption.read_settings(adoption.below(name), name), ''
@@ -98,18 +96,13 @@ def _say_floors(adoption, used):
             del adoption.floors[world], adoption.added[name]
 
 
-def _is_ours(adoption, node):
-    """Return whether a node of the file will be our move_base; the original package's program looks at no map."""
-    return node.type == robots.OWN[0] and (node.package == PACKAGE or not adoption.is_kept(node))
-
-
 def _served(adoption, kept):
     values = adoption.values()
     found = [served.served_by(node, values) for node in kept
              if node.type == 'map_server' and node.package in (PACKAGE, 'map_server')]
     for name, added in {**adoption.options.add, **adoption.added}.items():
-        kind, _, arguments = added.partition(' ')
-        if kind.endswith('/map_server'):
+        _package, kind, arguments = given.split(added)
+        if kind == 'map_server':
             topic = served.resolved('map', name.rpartition('/')[0] + '/', ())
             found.append(served.Served(name, topic, 'map', tuple(poses.words_of(arguments))))
     return found
@@ -155,16 +148,16 @@ def _all(names):
 def say_unread(adoption):
     """Name the parameters of our robots, and of nodes that are left out or replaced, that have no effect."""
     keys = [key for key in adoption.config.params if not poses.is_of_place(key)]
-    names = [roles.name_of(node) for node in adoption.config.nodes]
+    names = [*map(roles.name_of, adoption.config.nodes), *adoption.options.add, *adoption.added]
+    out = [roles.name_of(node) for node in adoption.config.nodes if adoption.is_out(node)]
     found = {}
-    for node in adoption.config.nodes:
-        name = roles.name_of(node)
+    for name in names:
         paths = _below(name, names, keys)
         if name in adoption.settings:
             settings = adoption.settings[name]
             paths = ['{} (only with {})'.format(path, settings.needs[path]) if path in settings.needs else path
                      for path in (*settings.ignored, *settings.unknown) if path in paths]
-        elif not adoption.is_out(node):
+        elif name not in out:
             continue  # its program is started, and reads what it wants
         if paths:
             found.setdefault(tuple(paths), []).append(name)
