@@ -277,6 +277,9 @@ void file(const std::string& path, const std::string& how) {
   } else if (how == "renames") {
     std::ofstream(path + ".new") << "1\n";
     tell("renames", std::rename((path + ".new").c_str(), path.c_str()));
+  } else if (how == "claims") {
+    const std::string claimed = path + "." + ros::this_node::getName().substr(1);
+    tell("claims", std::rename(path.c_str(), claimed.c_str()));
   } else if (how == "writes") {
     tell("writes", std::ofstream(path, std::ios::app).is_open());
   } else if (how == "asks") {

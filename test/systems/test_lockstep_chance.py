@@ -6,6 +6,7 @@ import shutil
 import sys
 import tempfile
 import unittest
+from pathlib import Path
 from unittest import mock
 
 from lockstep_launcher_run import FOLDER, assert_same, run_programs, run_scenario
@@ -133,13 +134,14 @@ class LabelledTest(unittest.TestCase):
     def test_a_file_that_another_participant_writes_in_whatever_way_is_labelled(self):
         with tempfile.TemporaryDirectory(prefix='lockstep_chance_') as folder:
             os.mkdir(os.path.join(folder, '__pycache__'))
+            Path(folder, 'claim').touch()
             run = run_programs({what: ['shares.py', what, folder] for what in ('writes', 'reads')}, until=10.0)
             self.assertEqual(run.codes, {'writes': 0, 'reads': 0}, run.outputs)
             names = [re.sub(r"^'/(?:writes|reads)' (?:writes|reads) {}/(.+), which .+: data that passes between them "
                             'is not in the order of simulated time$'.format(folder), r'\1', label)
                      for label in run.state.not_repeatable_because]
-        self.assertEqual(sorted(names), ['asked', 'copy', 'create', 'log', 'note', r'odd \xff', 'replace', 'save',
-                                         'store'])
+        self.assertEqual(sorted(names), ['asked', 'claim', 'copy', 'create', 'log', 'note', r'odd \xff', 'replace',
+                                         'save', 'store'])
 
 
 class ThreadsTest(unittest.TestCase):

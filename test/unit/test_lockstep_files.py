@@ -53,9 +53,10 @@ def test_a_file_has_one_name(told):
     assert told('open', 'gr\u00fcn', 'r', os.O_RDONLY) == [('READS', 'grün')]
 
 
-def test_what_is_renamed_is_written_under_its_new_name(told):
-    assert told('os.rename', 'x', 'y', -1, -1) == [('WRITES', 'y')]
-    assert told('os.rename', 'x', 'y', 3, 3) == []  # in a folder without a name
+def test_what_is_renamed_is_written_under_both_names(told):
+    assert told('os.rename', 'x', 'y', -1, -1) == [('WRITES', 'x'), ('WRITES', 'y')]
+    assert told('os.rename', 'x', 'y', 3, -1) == [('WRITES', 'y')]  # from a folder without a name
+    assert told('os.rename', 'x', 'y', -1, 3) == [('WRITES', 'x')]
 
 
 def test_databases_are_read_and_written(told):

@@ -123,9 +123,10 @@ class Opening {
   int file_ = -1;
 };
 
-/** @brief Report a file that has a name or has lost one as written. @return @p result. */
+/** @brief Report a file that has a name or has lost one as written, as read if that failed: another
+ * run may find it. @return @p result. */
 int tellNamed(int result, const char* path, const void* caller) {
-  return Opening(path, O_WRONLY, caller).noted(result);
+  return Opening(path, result == 0 ? O_WRONLY : O_RDONLY, caller).noted(result);
 }
 
 void setTime(timespec* time, Nanoseconds at) { *time = toTimespec(at); }
@@ -185,7 +186,8 @@ extern "C" {
 
 int rename(const char* from, const char* to) {
   static auto* const function = shim::real(&::rename, "rename");
-  return shim::tellNamed(function(from, to), to, MOVE_BASE_ABSTRACT_CALLER);
+  const int result = shim::tellNamed(function(from, to), from, MOVE_BASE_ABSTRACT_CALLER);
+  return shim::tellNamed(result, to, MOVE_BASE_ABSTRACT_CALLER);
 }
 
 int remove(const char* path) {

@@ -27,6 +27,10 @@ def replace(path):
     os.replace(own, path)
 
 
+def claim(path):
+    os.rename(path, path + '.of_%s' % sys.argv[1])
+
+
 def store(path):
     sqlite3.connect(path).execute('create table if not exists goals (x)')
 
@@ -37,7 +41,7 @@ def log(path):
     logger.error('so it is')
 
 
-WAYS = {'note': note, 'asked': note, 'create': create, 'replace': replace, 'store': store, 'log': log,
+WAYS = {'note': note, 'asked': note, 'create': create, 'replace': replace, 'claim': claim, 'store': store, 'log': log,
         'save': lambda path: numpy.savetxt(path, [1.0]), 'copy': lambda path: shutil.copyfile(__file__, path),
         '/dev/null': note, '__pycache__/kept': note}
 

@@ -39,8 +39,8 @@ class Files:
 
     def audit(self, event: Any, arguments: Any) -> None:
         """Look at an event of sys.audit, before it happens. This never raises an error."""
-        if event in _FILES:
-            path, kinds = _FILES[event](*arguments)
+        for look in _FILES.get(event, ()):
+            path, kinds = look(*arguments)
             if own_frame(sys._getframe(2)) is not None:
                 self._note(path, kinds)
 
@@ -105,15 +105,10 @@ def _opened(given: Any, mode: str, flags: Any) -> Any:
     return path, _BOTH if access == os.O_RDWR else _WRITES if access else _READS
 
 
-def _renamed(_source: Any, to: Any, _source_folder: int = -1, folder: int = -1) -> Any:
-    """Return (path or None, kinds of note) for os.rename(): the new name counts as written."""
-    path = _path(to)
+def _named(given: Any, folder: int = -1) -> Any:
+    """Return (path or None, kinds of note) for a name that a file gets or loses, which counts as writing."""
+    path = _path(given)
     return (path if path is None or folder == -1 or os.path.isabs(path) else None), _WRITES
-
-
-def _removed(given: Any, folder: int = -1) -> Any:
-    """Return (path or None, kinds of note) for os.remove(), which counts as writing."""
-    return _renamed(None, given, -1, folder)
 
 
 def _database(given: Any, *_others: Any) -> Any:
@@ -129,9 +124,11 @@ def _database(given: Any, *_others: Any) -> Any:
     return None if is_memory else unquote(name), _READS if mode == 'ro' else _BOTH
 
 
-#: {event of sys.audit: function of its arguments that returns (path or None, kinds of note)}
-_FILES: Dict[str, Any] = {'open': _opened, 'os.rename': _renamed, 'os.remove': _removed,
-                          'sqlite3.connect': _database}
+#: {event of sys.audit: functions of its arguments that return (path or None, kinds of note)}
+_FILES: Dict[str, Any] = {
+    'open': (_opened,), 'os.remove': (_named,), 'sqlite3.connect': (_database,),
+    'os.rename': (lambda source, _to, folder=-1, _folder=-1: _named(source, folder),
+                  lambda _source, to, _folder=-1, folder=-1: _named(to, folder))}
 
 #: the files of this process
 files = Files()
