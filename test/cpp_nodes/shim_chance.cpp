@@ -309,6 +309,13 @@ void folder(const std::string& path) {
   rewinddir(opened);
   tell("lists" + names, readdir(opened)->d_name);
   closedir(opened);
+  dirent** scanned = nullptr;
+  const int count = scandir(path.c_str(), &scanned, nullptr, nullptr);
+  names.clear();
+  for (int k = 0; k < count; ++k) {
+    names += ' ' + std::string(scanned[k]->d_name);
+  }
+  tell("scans" + names, count);
   struct stat found;
   stat((path + "/made").c_str(), &found);
   tell("written", ns(found.st_mtim));

@@ -168,8 +168,9 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         names = [f'{number * 37 % 64:02}' for number in range(64)]
         for name in names:
             Path(folder, name).touch()
-        listed, written = self.texts(chance('folder', file=folder))[5:]
+        listed, scanned, written = self.texts(chance('folder', file=folder))[5:]
         self.assertEqual(listed.split(), ['lists', *sorted(names), 'made', '..', '..', '.'])
+        self.assertEqual(scanned.split(), ['scans', '.', '..', *sorted(names), 'made', '67'])
         self.assertEqual(written, f'written {EPOCH + 3 * SECOND // 2}')
 
     def assert_shared(self, run, path):

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "roscpp_shim/followed.h"
@@ -16,7 +17,7 @@ namespace move_base_abstract::shim {
 namespace {
 
 struct Listing {
-  std::vector<dirent> entries;
+  std::vector<std::string> entries;  // the bytes of each: the name may be longer than in a dirent
   std::size_t next = 0;
 };
 
@@ -33,6 +34,8 @@ Listings& listings() {
 
 using Lock = std::lock_guard<PlainMutex>;
 
+const char* nameIn(const std::string& entry) { return entry.data() + offsetof(dirent, d_name); }
+
 /** @return the next entry; null at the end, or if the folder cannot be read. */
 dirent* nextOf(DIR* folder) {
   static auto* const read = real<dirent*(DIR*)>("readdir");
@@ -47,14 +50,16 @@ dirent* nextOf(DIR* folder) {
     at = listings().all.emplace(folder, Listing()).first;
     auto& entries = at->second.entries;
     while (const dirent* const one = read(folder)) {
-      entries.push_back(*one);
+      entries.emplace_back(reinterpret_cast<const char*>(one), one->d_reclen);
     }
-    std::sort(entries.begin(), entries.end(), [](const dirent& one, const dirent& other) {
-      return strcmp(one.d_name, other.d_name) < 0;
+    std::sort(entries.begin(), entries.end(), [](const std::string& one, const std::string& other) {
+      return strcmp(nameIn(one), nameIn(other)) < 0;
     });
   }
   Listing& listing = at->second;
-  return listing.next == listing.entries.size() ? nullptr : &listing.entries[listing.next++];
+  return listing.next < listing.entries.size()
+             ? reinterpret_cast<dirent*>(listing.entries[listing.next++].data())
+             : nullptr;
 }
 
 /** @brief Call it before the folder is closed or read anew. */
@@ -82,6 +87,15 @@ extern "C" {
 
 dirent* readdir(DIR* folder) { return shim::nextOf(folder); }
 asm(".globl readdir64\n.set readdir64, readdir");  // an entry is the same here
+
+using Order = int (*)(const dirent**, const dirent**);
+
+int scandir(const char* folder, dirent*** list, int (*is_chosen)(const dirent*), Order order) {
+  static auto* const function = shim::real(&::scandir, "scandir");
+  const bool is_by_name = order == nullptr && shim::sees() != shim::Sees::kMachine;
+  return function(folder, list, is_chosen, is_by_name ? &alphasort : order);
+}
+asm(".globl scandir64\n.set scandir64, scandir");
 
 int closedir(DIR* folder) {
   static auto* const function = shim::real<int(DIR*)>("closedir");
