@@ -8,7 +8,6 @@
 #include <ros/ros.h>
 #include <semaphore.h>
 #include <std_msgs/String.h>
-#include <stdlib.h>
 #include <sys/random.h>
 #include <sys/select.h>
 #include <sys/stat.h>
@@ -25,7 +24,6 @@
 #include <functional>
 #include <future>
 #include <iomanip>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -33,7 +31,6 @@
 #include <sstream>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "teller.h"
 #include "untold_sources.h"
@@ -200,30 +197,31 @@ void after(const std::string& call, Result result) {
   tell(call, result, ros::Time::now().toNSec());
 }
 
+constexpr std::chrono::milliseconds shortly(50);
+
+/** Make a call of libc that waits shortly, by a clock. */
+template <typename Call, typename... Given>
+void waitBy(const std::string& name, clockid_t clock, Call call, Given... given) {
+  const timespec by = in(clock, 0.05);
+  after(name, call(given..., &by));
+}
+
 /** Waits of libc and the standard library, with time-outs. */
 void waitShortly(Held& held) {
   ros::Duration(0.3).sleep();
   pthread_spin_lock(&held.spin);
   pthread_spin_unlock(&held.spin);
   after("spin_lock", 0);
-  constexpr auto kMonotonic = CLOCK_MONOTONIC;
-  timespec by = in(CLOCK_REALTIME, 0.05);
-  after("sem_timedwait", sem_timedwait(&held.semaphore, &by));
-  by = in(kMonotonic, 0.05);
-  after("sem_clockwait", sem_clockwait(&held.semaphore, kMonotonic, &by));
-  const std::chrono::milliseconds shortly(50);
+  constexpr auto clock = CLOCK_MONOTONIC;
+  waitBy("sem_timedwait", CLOCK_REALTIME, sem_timedwait, &held.semaphore);
+  waitBy("sem_clockwait", clock, sem_clockwait, &held.semaphore, clock);
   after("try_lock_for", held.timed.try_lock_for(shortly));
   after("try_lock_shared_for", held.shared.try_lock_shared_for(shortly));
-  by = in(CLOCK_REALTIME, 0.05);
-  after("mutex_timedlock", pthread_mutex_timedlock(&held.mutex, &by));
-  by = in(CLOCK_REALTIME, 0.05);
-  after("timedrdlock", pthread_rwlock_timedrdlock(&held.written, &by));
-  by = in(CLOCK_REALTIME, 0.05);
-  after("timedwrlock", pthread_rwlock_timedwrlock(&held.written, &by));
-  by = in(kMonotonic, 0.05);
-  after("clockrdlock", pthread_rwlock_clockrdlock(&held.written, kMonotonic, &by));
-  by = in(kMonotonic, 0.05);
-  after("clockwrlock", pthread_rwlock_clockwrlock(&held.written, kMonotonic, &by));
+  waitBy("mutex_timedlock", CLOCK_REALTIME, pthread_mutex_timedlock, &held.mutex);
+  waitBy("timedrdlock", CLOCK_REALTIME, pthread_rwlock_timedrdlock, &held.written);
+  waitBy("timedwrlock", CLOCK_REALTIME, pthread_rwlock_timedwrlock, &held.written);
+  waitBy("clockrdlock", clock, pthread_rwlock_clockrdlock, &held.written, clock);
+  waitBy("clockwrlock", clock, pthread_rwlock_clockwrlock, &held.written, clock);
 }
 
 /** Waits of libc and the standard library, with and without time-outs. */
@@ -233,7 +231,6 @@ void waits() {
   pthread_spin_init(&held.spin, PTHREAD_PROCESS_PRIVATE);
   std::thread thread([&held] { held.hold(); });
   waitShortly(held);
-  const std::chrono::milliseconds shortly(50);
   auto future = held.promise.get_future();
   after("wait_for", static_cast<int>(future.wait_for(shortly)));
   after("wait_until",
@@ -242,8 +239,7 @@ void waits() {
   after("wrlock", pthread_rwlock_wrlock(&held.read));
   after("sem_wait", sem_wait(&held.semaphore));
   after("future", future.get());
-  const timespec by = in(CLOCK_REALTIME, 0.05);
-  after("timedjoin", pthread_timedjoin_np(thread.native_handle(), nullptr, &by));
+  waitBy("timedjoin", CLOCK_REALTIME, pthread_timedjoin_np, thread.native_handle(), nullptr);
   thread.join();
   after("join", 0);
 }
@@ -349,7 +345,7 @@ sem_t posted;
 std::promise<int> promise;
 
 /** The function of a thread that starts before ROS does. */
-void* stray(void*) {
+void stray() {
   while (!teller) {
     usleep(1000);
   }
@@ -358,7 +354,6 @@ void* stray(void*) {
   sem_post(&posted);
   usleep(100000);
   promise.set_value(3);
-  return nullptr;
 }
 
 }  // namespace
@@ -371,7 +366,7 @@ int main(int argc, char** argv) {
   std::thread early;
   if (argc > 1 && std::strcmp(argv[1], "stray") == 0) {
     sem_init(&posted, 0, 0);
-    early = std::thread([] { stray(nullptr); });
+    early = std::thread(stray);
   }
   ros::init(argc, argv, "chance");
   ros::NodeHandle node;
