@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .geometry import Pose2D as Pose2D
     from .leg import Leg as Leg, MotionLimits as MotionLimits, Tolerances as Tolerances
     from .phased_route import PhasedRoute as PhasedRoute
+    from .pieces import Piece as Piece
     from .planned_way import PlannedWay as PlannedWay
     from .robot import Robot as Robot
     from .route import Route as Route
