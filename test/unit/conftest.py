@@ -51,7 +51,8 @@ class NavigatorRig(NoClient):
         self.robot = Robot(0, 'robot_0', start, limits, tolerances)
         stream = self._stream()
         self.ledger = GoalLedger(self.publish_status, lambda record, stamp_ns: stream.tell(Ended(
-            stamp_ns, 'robot_0', record.goal_id, record.stamp_ns, record.state, record.text)), self.new_id)
+            stamp_ns, 'robot_0', 'ended', record.goal_id, record.state.name, record.text, record.stamp_ns,
+            record.state)), self.new_id)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup, lambda: seconds_to_ns(patience))
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, stream, self,
                                    StraightLinePlanner(bounds), bad_frame_policy, recovery_policy,
@@ -108,7 +109,8 @@ class NavigatorRig(NoClient):
         stream.subscribe('trace', {
             Ended: lambda event: self.trace.append(
                 ('result', event.goal_id, event.state.name, event.text, event.time_ns)),
-            Departed: self._note('departed', 'goal', 'time_ns'), Stands: self._note('stands', 'pose', 'time_ns'),
+            Departed: lambda event: self.trace.append(('departed', Pose2D(*event[3:6]), event.time_ns)),
+            Stands: lambda event: self.trace.append(('stands', Pose2D(*event[3:6]), event.time_ns)),
             Aimed: self._note('target', 'goal', 'time_ns'), Held: self._note('held', 'reasons', 'time_ns'),
             WheelsStopped: self._note('stop wheels'), Warned: self._note('warn', 'text'),
             Recovery: lambda event: self.trace.append(('recovery', event.behaviors[event.index].name, event.index,

@@ -18,8 +18,9 @@ class Stream:
     def __init__(self, order: Sequence[str]) -> None:
         self._places = {name: place for place, name in enumerate(order)}
         self._subscribed: Dict[Type[Any], List[Tuple[int, Hear]]] = {}
-        #: {type of events: the functions that get them}; an event whose type is not in it need not be made
-        self.hearers: Dict[Type[Any], Tuple[Hear, ...]] = {}
+        #: {type of events: what delivers one to all that have subscribed}; an event whose type is not in it need not
+        #: be made
+        self.hearers: Dict[Type[Any], Hear] = {}
 
     def subscribe(self, name: str, hears: Mapping[Type[Any], Hear]) -> None:
         """Call the functions in ``hears`` with each event of their type, in the place of ``name`` in the order."""
@@ -27,18 +28,26 @@ class Stream:
             subscribed = self._subscribed.setdefault(kind, [])
             subscribed.append((self._places[name], hear))
             subscribed.sort(key=lambda one: one[0])
-            self.hearers[kind] = tuple(one[1] for one in subscribed)
+            self.hearers[kind] = hear if len(subscribed) == 1 else _to_all([one[1] for one in subscribed])
 
     def tell(self, event: Any) -> None:
         """Deliver ``event`` to all functions that have subscribed to its type.
 
         :raises Exception: the first error of a subscriber, after all have got the event.
         """
+        hear = self.hearers.get(type(event))
+        if hear is not None:
+            hear(event)
+
+
+def _to_all(hears: Sequence[Hear]) -> Hear:
+    def deliver(event: Any) -> None:
         fault = None
-        for hear in self.hearers.get(type(event), ()):
+        for hear in hears:
             try:
                 hear(event)
             except Exception as error:
                 fault = fault or error
         if fault is not None:
             raise fault
+    return deliver

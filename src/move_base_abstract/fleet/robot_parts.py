@@ -86,12 +86,17 @@ def _make_ledger(name: str, stream: Stream, client: GoalClient, keep_ns: int) ->
     """Return the GoalLedger of the robot ``name``, which tells ``stream`` of the goals."""
     hearers = stream.hearers
 
-    def tell_goal(record: GoalRecord, now_ns: int) -> None:  # as tell() of the stream, with a call less for each goal
-        for hear in hearers.get(GoalTaken, ()):
+    def tell_goal(record: GoalRecord, now_ns: int) -> None:
+        hear = hearers.get(GoalTaken)
+        if hear is not None:
             hear(new(GoalTaken, (now_ns, name, 'goal', record.goal_id)))
 
     def tell_end(record: GoalRecord, stamp_ns: int) -> None:
-        stream.tell(new(Ended, (stamp_ns, name, record.goal_id, record.stamp_ns, record.state, record.text)))
+        hear = hearers.get(Ended)
+        if hear is not None:
+            state = record.state
+            hear(new(Ended, (stamp_ns, name, 'ended', record.goal_id, state._name_, record.text, record.stamp_ns,
+                             state)))
     return GoalLedger(client.publish_status, tell_end, client.new_id, keep_ns, tell_goal)
 
 

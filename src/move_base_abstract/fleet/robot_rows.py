@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Type
+from typing import TYPE_CHECKING, Any, Callable, Dict, Type
 
 from ..goals import task_events, traffic_events  # noqa: F401  # they add their events to WRITTEN
 from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Phased, Recorded, Stands, motion_of
-from ..runs.trace import FLAT, Rows
+from ..goals.traffic_events import Entered, Left
+from ..runs.trace import Rows
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -19,42 +20,31 @@ Take = Callable[[Any], object]
 ROW_KINDS = tuple(kind for kinds in WRITTEN.values() for kind in kinds)
 
 
-def row_hearers(take: Take, with_motion: bool = False, take_flat: Optional[Take] = None) -> Dict[Type[Any], Take]:
+def row_hearers(take: Take, with_motion: bool = False) -> Dict[Type[Any], Take]:
     """Return functions that call ``take`` with each row of the events that they hear: {type of events: function}.
 
-    ``with_motion``: also with the rows that come only with ``log_motion``. ``take_flat``, if given, gets the rows
-    of the kinds in :data:`.trace.FLAT` instead. The functions can be shared by all robots.
+    ``with_motion``: also with the rows that come only with ``log_motion``. The functions can be shared by all robots.
     """
     def hear(event: Any) -> None:
         take(event.row())
 
-    def stands(event: Stands) -> None:
-        time_ns, robot, pose = event
-        flat((time_ns, robot, 'stands', pose.x, pose.y, pose.yaw))
-
-    def ended(event: Ended) -> None:
-        time_ns, robot, goal_id, _, state, text = event
-        flat((time_ns, robot, 'ended', goal_id, state._name_, text))
-
     def plain(kind: str) -> Take:
-        take_row = flat if kind in FLAT else take
-
         def hear_plain(event: Any) -> None:
             time_ns, robot, *values = event
-            take_row((time_ns, robot, kind, *values))
+            take((time_ns, robot, kind, *values))
         return hear_plain
 
     def departed(event: Departed) -> None:
-        time_ns, robot, goal, corners, manner = event
-        flat((time_ns, robot, 'departed', goal.x, goal.y, goal.yaw))
+        time_ns, robot, *_, corners, manner = event
+        take(event[:6])
         if corners:
             take((time_ns, robot, 'route', *chain.from_iterable(corners)))
         if with_motion and manner:
             take((time_ns, robot, 'manner', *manner))
-    flat = take_flat or take
     return {**{event: hear if hasattr(event, 'row') else plain(kinds[0].kind) for event, kinds in WRITTEN.items()
                if with_motion or not kinds[0].is_motion},
-            GoalTaken: flat, Departed: departed, Stands: stands, Ended: ended}
+            **dict.fromkeys((GoalTaken, Stands, Entered, Left), take), Departed: departed,
+            Ended: lambda event: take(event[:6])}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:
@@ -70,11 +60,18 @@ class TraceRows(Rows):
 
     def __init__(self) -> None:
         super().__init__()
-        self._hearers = tuple(row_hearers(self.take, with_motion, self.take_flat) for with_motion in (False, True))
+        flat = dict.fromkeys((GoalTaken, Departed, Stands, Ended, Entered, Left), self.take_flat)
+        self._hearers = ({**row_hearers(self.take), **flat},
+                         {**row_hearers(self.take, True), **flat, Departed: self._departed})
 
     def subscribe(self, stream: Stream, with_motion: bool) -> None:
         """Take the rows of the events of a robot's ``stream``; ``with_motion``: see :func:`row_hearers`."""
         stream.subscribe('trace', self._hearers[with_motion])
+
+    def _departed(self, event: Departed) -> None:
+        self.take_flat(event)
+        if event.manner:
+            self.take((event.time_ns, event.robot, 'manner', *event.manner))
 
 
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:

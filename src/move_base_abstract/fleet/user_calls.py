@@ -68,7 +68,7 @@ class UserCalls:
 
         def tell_end(event: Any) -> None:
             def call(_due_ns: int, _now_ns: int) -> None:
-                listener(event[1], event[2], event[4], event[5], simulation.now_ns)
+                listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)
             simulation.queue.schedule(max(event[0], simulation.now_ns), _USER_INDEX, call)
         return tell_end
 

@@ -2,8 +2,8 @@
 
 They are named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the
 name of the robot. Poses are in the global frame [m, rad]. ``row()`` returns the event's row in the trace
-(:class:`.trace.TraceEntry`); an event without it is written as its fields. :mod:`.robot_rows` makes the rows of
-GoalTaken, Departed, Stands and Ended, which come with each goal.
+(:class:`.trace.TraceEntry`); an event without it is written as its fields. The four that come with
+each goal, GoalTaken, Departed, Stands and Ended, are rows themselves, with their ``kind``: they cost next to nothing.
 """
 from __future__ import annotations
 
@@ -64,10 +64,7 @@ def robot_stream() -> Stream:
                  '[silent](failures.md) robot takes in the goals that came meanwhile when it answers again. A goal '
                  'whose id the robot knows already is no new goal'))
 class GoalTaken(NamedTuple):
-    """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal.
-
-    It is its own row, whose ``kind`` is 'goal', so that it costs little more than nothing.
-    """
+    """The robot has taken in a goal, whatever becomes of it: this comes before all that follows from the goal."""
 
     time_ns: int
     robot: str
@@ -82,22 +79,31 @@ class GoalTaken(NamedTuple):
                  'spinning before the last turn [s] and its speed [rad/s]',
                  'after `departed`: a leg at its own pace', True))
 class Departed(NamedTuple):
-    """The robot departs for ``goal`` by ``corners`` [(x, y), m]; ``manner``: see PacedLeg, empty if there is none."""
+    """The robot departs for the goal ``x``, ``y``, ``yaw`` by ``corners`` [(x, y), m].
+
+    ``manner``: see PacedLeg, empty if there is none.
+    """
 
     time_ns: int
     robot: str
-    goal: Pose2D
-    corners: Sequence[Tuple[float, float]] = ()
-    manner: Tuple[float, ...] = ()
+    kind: str
+    x: float
+    y: float
+    yaw: float
+    corners: Sequence[Tuple[float, float]]
+    manner: Tuple[float, ...]
 
 
 @written(RowKind('stands', 'x, y, yaw', 'the robot has arrived, was stopped, or was placed there'))
 class Stands(NamedTuple):
-    """The robot stands at ``pose``: it has arrived, was stopped or was placed there."""
+    """The robot stands at ``x``, ``y``, ``yaw``: it has arrived, was stopped or was placed there."""
 
     time_ns: int
     robot: str
-    pose: Pose2D
+    kind: str
+    x: float
+    y: float
+    yaw: float
 
 
 @written(RowKind('ended', 'goal id, state, text', 'a goal has ended'))
@@ -106,10 +112,12 @@ class Ended(NamedTuple):
 
     time_ns: int
     robot: str
+    kind: str
     goal_id: str
+    state_name: str
+    text: str
     stamp_ns: int
     state: GoalState
-    text: str
 
 
 class Aimed(NamedTuple):

@@ -12,19 +12,21 @@ if TYPE_CHECKING:
 
 @written(RowKind('entered', 'area', 'the robot got a place in a [zone](zones.md) or on a lane'))
 class Entered(NamedTuple):
-    """The robot has got a place in ``area``."""
+    """The robot has got a place in ``area``. It is its own row."""
 
     time_ns: int
     robot: str
+    kind: str
     area: str
 
 
 @written(RowKind('left', 'area', 'it gave that place back'))
 class Left(NamedTuple):
-    """The robot has given back its place in ``area``."""
+    """The robot has given back its place in ``area``. It is its own row."""
 
     time_ns: int
     robot: str
+    kind: str
     area: str
 
 

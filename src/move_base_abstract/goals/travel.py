@@ -98,7 +98,8 @@ class Travel:
             self._navigator.refuse_to_wait(leg.arrive_ns, 'the arrival', 'are the position (m) and the speed, {:g} '
                                            'm/s, as they are meant?'.format(robot.limits.max_speed), now_ns)
             return
-        self._stream.tell(new(Departed, (now_ns, robot.name, place, leg.corners, leg.manner)))
+        self._stream.tell(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw, leg.corners,
+                                         leg.manner)))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)
         if reason is None:
@@ -235,11 +236,13 @@ class Travel:
         """Stop the robot, if it drives, and send the event that it stands."""
         robot = self._robot
         if robot.leg is not None:
-            self._stream.tell(new(Stands, (now_ns, robot.name, robot.stop(now_ns))))
+            pose = robot.stop(now_ns)
+            self._stream.tell(new(Stands, (now_ns, robot.name, 'stands', pose.x, pose.y, pose.yaw)))
 
     def tell_stands(self, now_ns: int) -> None:
         """Send the event that the robot stands at its present pose, after it was put there."""
-        self._stream.tell(Stands(now_ns, self._robot.name, self._robot.pose_at(now_ns)))
+        pose = self._robot.pose_at(now_ns)
+        self._stream.tell(Stands(now_ns, self._robot.name, 'stands', pose.x, pose.y, pose.yaw))
 
     def break_off(self, error: Exception) -> None:
         """Clean up after an unexpected error: see :meth:`Navigator.break_off`."""

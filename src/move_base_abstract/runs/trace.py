@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import gc
+from itertools import chain
 from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Tuple
 
 
@@ -27,23 +28,23 @@ class TraceEntry(NamedTuple):
     values: Any
 
 
-#: the most frequent kinds of rows, with the numbers of their values
-FLAT = {'goal': 4, 'departed': 6, 'stands': 6, 'ended': 6, 'entered': 4, 'left': 4}
+#: the most frequent kinds of rows: how many values their events have, and how many of these are the row
+FLAT = {'goal': (4, 4), 'departed': (8, 6), 'stands': (6, 6), 'ended': (8, 6), 'entered': (4, 4), 'left': (4, 4)}
 _new = tuple.__new__  # makes a named tuple without the call of its constructor
 
 
 class Rows:
     """Rows that nobody has read yet.
 
-    The values of the kinds in FLAT follow one another in one list, without an object for each row: the objects that
-    Python's garbage collector would visit again and again would become more and more.
+    The values of events of the kinds in FLAT follow one another in one list, without an object for each row: the
+    objects that Python's garbage collector would visit again and again would become more and more.
     """
 
     def __init__(self) -> None:
         self._values: List[Any] = []
         #: takes a row of any kind
         self.take: Callable[[Tuple[Any, ...]], None] = self._values.append
-        #: takes a row of a kind in FLAT
+        #: takes an event of a kind in FLAT
         self.take_flat: Callable[[Tuple[Any, ...]], None] = self._values.extend
 
     def read(self) -> List[TraceEntry]:
@@ -66,9 +67,12 @@ class Rows:
                 time_ns, robot, kind, *rest = row
                 entries.append(TraceEntry(time_ns, robot, kind, tuple(rest)))
             else:
-                kind = values[place + 2]
-                begin, place = place, place + FLAT[kind]
-                entries.append(_new(TraceEntry, (row, values[begin + 1], kind, tuple(values[begin + 3:place]))))
+                robot, kind = values[place + 1], values[place + 2]
+                length, end = FLAT[kind]
+                entries.append(_new(TraceEntry, (row, robot, kind, tuple(values[place + 3:place + end]))))
+                if kind == 'departed' and values[place + 6]:  # the corners of the way
+                    entries.append(TraceEntry(row, robot, 'route', tuple(chain.from_iterable(values[place + 6]))))
+                place += length
         return entries
 
 

@@ -100,7 +100,8 @@ class Traveller:
             else:
                 area.holders.pop(self, None)
             if has != had:
-                told.append((Entered if has else Left)(now_ns, self.name, area.name))
+                told.append(Entered(now_ns, self.name, 'entered', area.name) if has else
+                            Left(now_ns, self.name, 'left', area.name))
             self._traffic.changed(area)
             self._traffic.freed(area)
         with ExitStack() as rest:  # these callbacks run even if telling fails; the last one runs first
@@ -356,14 +357,14 @@ class Traveller:
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
                 self._tell(Places(now_ns, self.name, area.name, area.capacity))
-            self._tell(new(Entered, (now_ns, self.name, area.name)))
+            self._tell(new(Entered, (now_ns, self.name, 'entered', area.name)))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
                 self._traffic.changed(area)
-                self._tell(new(Left, (now_ns, self.name, area.name)))
+                self._tell(new(Left, (now_ns, self.name, 'left', area.name)))
                 self._traffic.freed(area)
 
     def _warn(self, now_ns: int, text: str) -> None:

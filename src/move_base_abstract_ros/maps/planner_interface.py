@@ -12,13 +12,13 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.goals.events import Departed
 from move_base_abstract.maps.planning import path_along
+from move_base_abstract.motion.geometry import Pose2D
 
 from ..messages import conversions
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import of_message
 
 if TYPE_CHECKING:
-    from move_base_abstract.common.geometry import Pose2D
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.goals.navigator import Navigator
@@ -71,7 +71,7 @@ class PlannerInterface:
     def _show(self, event: Departed) -> None:
         """Publish the way that the robot now takes, also for later listeners."""
         start = self._navigator.robot.pose_at(event.time_ns)
-        self._plans.show(start, event.corners, event.goal, event.time_ns)
+        self._plans.show(start, event.corners, Pose2D(event.x, event.y, event.yaw), event.time_ns)
 
     def _pack_way(self, start: Pose2D, corners: Any, goal: Pose2D, now_ns: int) -> Pack:
         return of_message(self._to_path(path_along(start, corners, goal), now_ns))
