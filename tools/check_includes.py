@@ -24,12 +24,13 @@ PURE = frozenset((
 #: {folder: (our other headers that it may include, whether it is pure)}
 ROOMS = {
     'src/clock': ((), True),
+    'src/motion': (('clock/',), True),
     'src/lockstep/wire': (('clock/',), True),
     'src/lockstep/rounds': (('clock/', 'lockstep/wire/'), True),
-    'src/lockstep/radio': (('clock/',), True),
+    'src/lockstep/radio': (('clock/', 'motion/'), True),
     'src/lockstep/routing': (('clock/', 'lockstep/wire/', 'lockstep/rounds/'), True),
     'src/lockstep/chaos': (('clock/', 'lockstep/wire/', 'lockstep/rounds/', 'lockstep/routing/'), True),
-    'src/lockstep': (('clock/', 'lockstep/chaos/', 'lockstep/wire/', 'lockstep/rounds/', 'lockstep/routing/',
+    'src/lockstep': (('clock/', 'motion/', 'lockstep/chaos/', 'lockstep/wire/', 'lockstep/rounds/', 'lockstep/routing/',
                       'lockstep/radio/'), True),
     'src/common': ((), False),
     'src/libc': ((), False),
