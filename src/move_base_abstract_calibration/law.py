@@ -15,7 +15,7 @@ Values = Mapping[str, Any]
 
 
 def approach_seconds(distance: np.ndarray, speed: float, acceleration: float, gain: float, offset: float) -> np.ndarray:
-    """Return how long each ``distance`` [m] takes [s], as ``seconds`` of the simulator's ApproachProfile.
+    """Return how long each ``distance`` [m] takes [s], as ``seconds`` of the simulator's ``approach_profile``.
 
     ``speed`` [m/s], ``acceleration`` [m/s^2], ``gain`` [1/s], ``offset`` [m]; or the same with angles.
     """

@@ -11,6 +11,7 @@ from move_base_abstract.motion.calibration import make_calibration
 from move_base_abstract.motion.durations import GoalDurations
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.phased_route import PhasedRoute
+from move_base_abstract.motion.pieces import acceleration_of
 from move_base_abstract.motion.route import CornerLaw
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
@@ -52,16 +53,13 @@ def test_a_route_that_begins_backwards_takes_so_much_longer_and_leaps_nowhere(ex
 @pytest.mark.parametrize('corners', [(), ((1.0, 0.0), (2.0, 1.5), (8.0, 1.5))])
 def test_times_of_even_motion_are_what_encounters_take_them_for(corners):
     found = route(corners).going_backwards(16.0, 0.2)
-    times = found.smooth_ns()
-    assert times[-1][0] == pytest.approx(found.arrive_ns, abs=10)
-    begin_ns = 0
-    for end_ns, most in times:
+    for piece, end_ns in found.spans():
+        begin_ns, most = piece.begin_ns, acceleration_of(piece)
         begin, middle, end = (found.pose_at(instant) for instant in (begin_ns, (begin_ns + end_ns) // 2, end_ns - 1))
         length = 0.5 * begin.distance_to(end)
         bound = most * ((end_ns - begin_ns) / S) ** 2 / 8.0  # how far a motion may be off the even one, amid
         assert abs(begin.distance_to(middle) - length) <= bound + 1e-6
         assert begin.distance_to(middle) + middle.distance_to(end) == pytest.approx(begin.distance_to(end), abs=1e-6)
-        begin_ns = end_ns
 
 
 def test_backwards_is_backwards():

@@ -11,7 +11,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.motion.approach import MotionPhases
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
-from move_base_abstract.motion.limited_profile import LimitedProfile
+from move_base_abstract.motion.limited_profile import profile_over
 from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.phased_route import PhasedRoute
 from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
@@ -84,7 +84,7 @@ def test_energy_never_falls_and_ends_where_the_leg_does(kind):
     for _ in range(5):
         leg = a_leg(kind, rng)
         energy = LegEnergy(leg, ROBOT)
-        instants = sorted({leg.depart_ns, leg.arrive_ns, *leg.even_instants_ns(7), *(
+        instants = sorted({leg.depart_ns, leg.arrive_ns, *(piece.begin_ns for piece in leg.pieces), *(
             leg.depart_ns + rng.randint(0, leg.duration_ns) for _ in range(100))})
         taken = [energy.until(at_ns) for at_ns in instants]
         assert all(one <= other + 1e-6 for one, other in zip(taken, taken[1:]))
@@ -99,7 +99,7 @@ def test_a_trapezoid_costs_what_the_formula_says_and_lanes_do_too():
     way = PlannedWay([(10.0, 0.0)], (PieceLimit(2.0), PieceLimit(1.0)))
     route = Route(Pose2D(), Pose2D(20.0, 0.0), way, MotionLimits(2.0, 0.5))
     assert LegEnergy(route, ROBOT).until(route.arrive_ns) == pytest.approx(70.0 * 4.0 + friction * 20.0)
-    assert LimitedProfile(((10.0, 2.0), (10.0, 1.0)), 0.5).seconds * S == pytest.approx(route.duration_ns)
+    assert profile_over(((10.0, 2.0), (10.0, 1.0)), 0.5).seconds * S == pytest.approx(route.duration_ns)
 
 
 def test_a_turn_at_once_costs_nothing_and_one_that_takes_time_its_start_and_end():

@@ -12,7 +12,7 @@ from night import times
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.fleet import Fleet
-from move_base_abstract.motion.approach import ApproachProfile
+from move_base_abstract.motion.approach import approach_profile
 from move_base_abstract.motion.calibration import make_calibration, read_calibration
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.phased_route import PhasedRoute
@@ -55,7 +55,7 @@ def fitted(pairs):
 def test_the_law_for_many_legs_is_the_cores(acceleration):
     distances = np.array([0.0, 1e-6, 0.02, 0.1, 0.5, 1.0, 2.0, 3.0, 10.0, 50.0])
     for speed, gain, offset in ((1.0, 0.5, 0.1), (0.04, 0.5, 0.1), (2.0, 3.0, 0.5)):
-        expected = [ApproachProfile(distance, speed, acceleration, gain, offset).seconds for distance in distances]
+        expected = [approach_profile(distance, speed, acceleration, gain, offset).seconds for distance in distances]
         assert approach_seconds(distances, speed, acceleration, gain, offset) == pytest.approx(expected, abs=1e-9)
 
 

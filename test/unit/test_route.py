@@ -6,9 +6,10 @@ from hypothesis import example, given, strategies as st
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract.motion.leg import Leg, MotionLimits, SpeedProfile, Tolerances
+from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances, speed_profile
 from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
 from move_base_abstract.motion.route import CornerLaw, Route, route_along, segments_along
+from profiles import covered, speed
 
 S = NS_PER_S
 LAWS = tuple(CornerLaw)
@@ -102,15 +103,14 @@ def test_velocity_is_what_poses_and_distances_change_by(law):
 def test_to_keep_is_one_speed_profile_over_the_whole_length():
     limits = MotionLimits(2.0, 0.5, 1.0)
     route = Route(Pose2D(), GOAL, AROUND, limits)
-    drive_ns = seconds_to_ns(SpeedProfile(9.0, 2.0, 0.5).seconds)
+    drive_ns = seconds_to_ns(speed_profile(9.0, 2.0, 0.5).seconds)
     assert route.arrive_ns == drive_ns + seconds_to_ns(math.pi)
-    profile = SpeedProfile(9.0, 2.0, 0.5)
+    profile = speed_profile(9.0, 2.0, 0.5)
     for tenth in range(1, 10):
         now_ns = drive_ns * tenth // 10
-        assert route.velocity_at(now_ns) == (profile.speed(now_ns / S), 0.0)
-        covered = profile.covered(now_ns / S)
-        expected = ((covered, 0.0) if covered < 4.0 else (4.0, covered - 4.0) if covered < 7.0 else
-                    (covered - 3.0, 3.0))
+        assert route.velocity_at(now_ns) == pytest.approx((speed(profile, now_ns / S), 0.0), abs=1e-12)
+        way = covered(profile, now_ns / S)
+        expected = (way, 0.0) if way < 4.0 else (4.0, way - 4.0) if way < 7.0 else (way - 3.0, 3.0)
         assert (route.pose_at(now_ns).x, route.pose_at(now_ns).y) == pytest.approx(expected, abs=1e-12)
 
 
@@ -175,8 +175,7 @@ def test_a_route_by_a_way_that_was_driven_before_is_as_if_it_were_the_first(
     first = Route(start, goal, way, limits, tolerances, depart_ns, law)
     assert (again.start, again.end, again.distance, again.way, again.depart_ns, again.arrive_ns, again.corners) == (
         first.start, first.end, first.distance, first.way, first.depart_ns, first.arrive_ns, first.corners)
-    assert again.even_instants_ns(2) == first.even_instants_ns(2)
-    assert again.smooth_ns() == first.smooth_ns()
+    assert again.pieces == first.pieces
     now_ns = instant(first, share)
     assert (again.pose_at(now_ns), again.velocity_at(now_ns), again.distance_at(now_ns)) == (
         first.pose_at(now_ns), first.velocity_at(now_ns), first.distance_at(now_ns))

@@ -1,9 +1,10 @@
-"""What a robot will do as far as it is known: drive its leg, then stand; as spans of smooth motion."""
+"""What a robot will do as far as it is known: drive its leg, then stand; as spans in which one formula holds."""
 from __future__ import annotations
 
 from typing import Any, List, NamedTuple, Tuple
 
 from ..common.units import LAST_NS
+from ..motion.pieces import acceleration_of
 
 #: the largest number of spans of a track; a longer leg gets spans that are not cut, see Neighbours
 MOST_SPANS = 4096
@@ -46,17 +47,17 @@ class Track:
 
     def _cut(self, leg: Any, now_ns: int, reach: float) -> None:
         before_ns, before = now_ns, leg.pose_at(now_ns)
-        for smooth_end_ns, most in leg.smooth_ns():
-            if smooth_end_ns <= before_ns:
+        for piece, piece_end_ns in leg.spans():
+            if piece_end_ns <= before_ns:
                 continue
-            for end_ns in self._instants(leg, before_ns, smooth_end_ns, reach):
+            for end_ns in self._instants(leg, before_ns, piece_end_ns, reach):
                 end = leg.pose_at(end_ns)
-                self.spans.append(Span(before_ns, end_ns, most, before.x, before.y, end.x, end.y))
+                self.spans.append(Span(before_ns, end_ns, acceleration_of(piece), before.x, before.y, end.x, end.y))
                 before_ns, before = end_ns, end
 
     @staticmethod
     def _instants(leg: Any, begin_ns: int, end_ns: int, reach: float) -> List[int]:
-        """Return the ends [ns] of the parts of a smooth span, each no longer than ``reach`` [m]."""
+        """Return the ends [ns] of the parts of a piece, each no longer than ``reach`` [m]."""
         begin = leg.distance_at(begin_ns)
         parts = int((leg.distance_at(end_ns) - begin) / reach)
         found = [leg.guess_ns(begin + number * reach) for number in range(1, parts + 1)] if parts else []

@@ -28,11 +28,11 @@ class LegEnergy:
     def __init__(self, leg: Any, mechanics: Mechanics) -> None:
         self._leg = leg
         self._half_mass, self._half_moment = 0.5 * mechanics.mass, 0.5 * mechanics.moment_of_inertia
-        self._instants = instants = leg.even_instants_ns(1)
+        self._instants = [piece.begin_ns for piece in leg.pieces]
         self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
         energy, before = 0.0, (0.0, 0.0)
-        for begin_ns, end_ns in zip(instants, instants[1:]):
-            at_begin = self._kinetic(begin_ns)
+        for piece, end_ns in leg.spans():
+            at_begin = self._kinetic(piece.begin_ns)
             energy += _change(before, at_begin)
             self._begins.append((energy, at_begin))
             before = self._kinetic(end_ns - 1)

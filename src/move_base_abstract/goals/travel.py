@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..maps.planning import StraightLinePlanner
     from ..motion.attempts import GoalAttempts
     from ..motion.durations import GoalDurations
-    from ..motion.pace import AnyLeg
+    from ..motion.pieces import Motion
     from ..motion.robot import Robot
     from ..traffic.giving_way import WayBack
     from ..traffic.traveller import Traveller
@@ -125,7 +125,7 @@ class Travel:
             self._stream.tell(Warned(now_ns, self._robot.name, refusal))
         self._navigator.give_up(now_ns)
 
-    def _await_end(self, leg: AnyLeg, is_aside: bool) -> None:
+    def _await_end(self, leg: Motion, is_aside: bool) -> None:
         if is_aside:
             self._agenda.at(leg.arrive_ns, self._reach_aside)
             return

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from typing import OrderedDict as Ordered
 
     from ..motion.geometry import Pose2D
-    from ..motion.route import Segment
+    from ..motion.phases import Segment
     from .lane_map import Edge, LaneMap
     from .map_check import MapCheck
     from .priced_ways import Prices

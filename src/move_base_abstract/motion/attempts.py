@@ -14,7 +14,7 @@ from ..engine.chance import Chance, Purpose
 from .pace import Pace, PacedLeg
 
 if TYPE_CHECKING:
-    from .pace import AnyLeg
+    from .pieces import Motion
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class GoalAttempts:
         self._number += 1
         self._ready_ns = None
 
-    def paced(self, leg: AnyLeg) -> PacedLeg:
+    def paced(self, leg: Motion) -> PacedLeg:
         """Return ``leg``, preceded by the pauses of its goal; the robot makes these pauses only once per goal."""
         if self._ready_ns is None:
             self._ready_ns = leg.depart_ns + seconds_to_ns(self._try() * self._attempts.pause)
@@ -65,9 +65,9 @@ class GoalAttempts:
         self._fails, self._used = False, 0
         return tried
 
-    def failure_ns(self, leg: AnyLeg) -> Optional[int]:
+    def failure_ns(self, leg: Motion) -> Optional[int]:
         """Return the instant [ns] at which the robot gives up ``leg``, or None if it arrives."""
         return max(leg.depart_ns, self._ready_ns or 0) if self._fails else None
 
-    def interrupted(self, _leg: AnyLeg, _now_ns: int) -> None:
+    def interrupted(self, _leg: Motion, _now_ns: int) -> None:
         """Note that the robot was interrupted on its leg and will go on: nothing is drawn again."""

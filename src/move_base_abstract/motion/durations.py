@@ -15,7 +15,7 @@ from .pace import Pace, PacedLeg
 if TYPE_CHECKING:
     from ..maps.planning import StraightLinePlanner
     from .calibration import CalibratedDurations
-    from .pace import AnyLeg
+    from .pieces import Motion
     from .recorded_range import Recorded
 
     Uniform = Callable[..., float]
@@ -65,11 +65,11 @@ class Durations:
     recorded: ClassVar[Optional[Recorded]] = None
 
     @staticmethod
-    def shaped(leg: AnyLeg, _overhead: float, _uniform: Uniform) -> AnyLeg:
+    def shaped(leg: Motion, _overhead: float, _uniform: Uniform) -> Motion:
         """Return ``leg`` itself, since the robot spends the overhead at rest."""
         return leg
 
-    def draw(self, _leg: AnyLeg, uniform: Uniform) -> Tuple[float, float]:
+    def draw(self, _leg: Motion, uniform: Uniform) -> Tuple[float, float]:
         """Return (overhead [s], factor) of a goal; ``uniform(purpose, place)`` gives the draws in (0, 1)."""
         return self.overhead, self.factor.draw(lambda place: uniform(Purpose.FACTOR, place))
 
@@ -140,7 +140,7 @@ class GoalDurations:
         self._number += 1
         self._factor = self._fails = self._way_to_failure = None
 
-    def paced(self, leg: AnyLeg) -> PacedLeg:
+    def paced(self, leg: Motion) -> PacedLeg:
         """Return ``leg`` at the pace of its goal."""
         if self._factor is None:
             # A robot with a calibration has phases, so that its legs are PhasedRoutes.
@@ -153,14 +153,14 @@ class GoalDurations:
             return PacedLeg(shaped, Pace(max(0, rest_ns), self._factor))
         return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), self._factor))
 
-    def _judge(self, leg: AnyLeg) -> None:
+    def _judge(self, leg: Motion) -> None:
         recorded = self._durations.recorded
         if recorded is not None and self._on_beyond is not None:
             found = recorded.beyond(leg, getattr(self._planner, 'clearance_of', _unknown))
             if found:
                 self._on_beyond(recorded, found, leg.depart_ns)
 
-    def failure_ns(self, leg: AnyLeg) -> Optional[int]:
+    def failure_ns(self, leg: Motion) -> Optional[int]:
         """Return the instant [ns] at which the robot fails on ``leg``, or None if it arrives."""
         if not self._durations.failures:
             return None
@@ -175,7 +175,7 @@ class GoalDurations:
             self._failure_ns = leg.covers_ns(way)
         return self._failure_ns
 
-    def interrupted(self, leg: AnyLeg, now_ns: int) -> None:
+    def interrupted(self, leg: Motion, now_ns: int) -> None:
         """Note that the robot stops on its ``leg`` at ``now_ns`` [ns] and will go on; a failure keeps its place."""
         if self._fails and self._way_to_failure is None:
             self._way_to_failure = leg.distance_at(self._failure_ns or 0) - leg.distance_at(now_ns)

@@ -18,6 +18,7 @@ from ..common.units import seconds_to_ns
 from .geometry import Pose2D
 from .leg import Leg, MotionLimits, Tolerances, trip
 from .pace import Pace, PacedLeg
+from .pieces import Piece, stand
 
 MAIN, RASBERRY = 'move_base_abstract', 'move_base_abstract_rasberry'
 PROFILES = (MAIN, RASBERRY)
@@ -64,19 +65,16 @@ class OriginalLaw:
 
 
 class HalfwayLeg(PacedLeg):
-    """A :class:`.Leg` whose robot is shown half-way, with the heading 0, from the departure to the arrival."""
+    """A :class:`.Leg` whose robot is shown half-way, with the heading 0, from the departure to the arrival.
+
+    The distance that it has driven grows as on its law.
+    """
 
     __slots__ = ()
     manner: Tuple[float, ...] = ()  # its poses do not move along a way
 
-    def pose_at(self, now_ns: int) -> Pose2D:
-        """Return the pose at ``now_ns`` [ns]: half-way after the departure, at the end after the arrival."""
-        if now_ns < self.depart_ns:
-            return self.start
-        if now_ns >= self.arrive_ns:
-            return self.end
-        return Pose2D((self.start.x + self.end.x) / 2.0, (self.start.y + self.end.y) / 2.0, 0.0)
-
-    def velocity_at(self, _now_ns: int) -> Tuple[float, float]:
-        """Return (0, 0) [m/s, rad/s], since the robot is shown standing."""
-        return 0.0, 0.0
+    @property
+    def pieces(self) -> Tuple[Piece, ...]:
+        """One piece, in which the robot stands half-way."""
+        start, end = self.start, self.end
+        return (stand(Pose2D((start.x + end.x) / 2.0, (start.y + end.y) / 2.0), self.depart_ns),)

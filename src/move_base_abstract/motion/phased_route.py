@@ -2,18 +2,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, List, Sequence, Tuple, Union
+from functools import partial
+from typing import TYPE_CHECKING, Sequence, Tuple, Union
 
-from ..common.units import NS_PER_S
-from .backwards import Backwards, length_backwards, parted
+from .backwards import backwards_pieces, length_backwards, parted
 from .geometry import Pose2D, normalize_angle
 from .leg import Tolerances
-from .route import CornerLaw, Route, Turn
+from .phases import Profile, even
+from .route import CornerLaw, Route
 
 if TYPE_CHECKING:
-    from .approach import ApproachProfile, MotionPhases
+    from .approach import MotionPhases
     from .leg import MotionLimits
-    from .route import Segment
+    from .phases import Segment
 
 
 class PhasedRoute(Route):
@@ -61,65 +62,34 @@ class PhasedRoute(Route):
             return super()._drive(pieces, yaw, limits, driven)
         self.start_turn = normalize_angle(pieces[0].course - yaw)
         before, behind = parted(pieces, length)
-        part = Backwards(before, speed, yaw, driven)
-        self._add(part, part.seconds)
+        profile = even(math.fsum(piece.length for piece in before), speed)
+        self._add(partial(backwards_pieces, segments=before, profile=profile, yaw=yaw, driven=driven), profile.seconds)
         heading, course = before[-1].course + math.pi, (behind or before)[0 if behind else -1].course
         end = before[-1].at(before[-1].length)
-        self._add_turn(end, heading, math.copysign(math.pi, self.start_turn) + normalize_angle(
+        self._turn_for(end, heading, math.copysign(math.pi, self.start_turn) + normalize_angle(
             course - before[-1].course), self._phases.start_turn_seconds(self.start_turn), driven + length)
         return self._drive_on(behind, limits, driven + length)
 
-    def _add_turn(self, place: Union[Pose2D, Segment], yaw: float, turn: float, seconds: float, driven: float) -> None:
-        self._add(Turn(place.x, place.y, yaw, turn, abs(turn) / seconds if seconds else math.inf, driven), seconds)
+    def _turn_for(self, place: Union[Pose2D, Segment], yaw: float, turn: float, seconds: float, driven: float) -> None:
+        """Add a turn by ``turn`` [rad] that takes ``seconds`` [s], at an even rate."""
+        if seconds:
+            self._add_turn(place, yaw, turn, even(abs(turn), abs(turn) / seconds)._replace(seconds=seconds), driven)
 
     def _turn_to_drive(self, first: Segment, yaw: float, turn: float, limits: MotionLimits, driven: float) -> None:
         if not self._parts:
             self.start_turn = turn
-        self._add_turn(first, yaw, turn, self._phases.start_turn_seconds(turn), driven)
+        self._turn_for(first, yaw, turn, self._phases.start_turn_seconds(turn), driven)
 
     def _turn_at_goal(self, begin: Pose2D, turn: float, whole: float, _limits: MotionLimits,
                       tolerances: Tolerances) -> None:
         seconds, speed = self._spin
         if seconds:
             swing = 0.5 * seconds * speed
-            self._add_turn(begin, begin.yaw, swing, 0.5 * seconds, self.distance)
-            self._add_turn(begin, begin.yaw + swing, -swing, 0.5 * seconds, self.distance)
+            self._turn_for(begin, begin.yaw, swing, 0.5 * seconds, self.distance)
+            self._turn_for(begin, begin.yaw + swing, -swing, 0.5 * seconds, self.distance)
         length = self.distance + tolerances.xy
-        profile = self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw)
-        self._add(_EasedTurn(begin, turn, profile, self.distance), profile.seconds)
+        self._add_turn(begin, begin.yaw, turn, self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw),
+                       self.distance)
 
-    def _profile(self, length: float, limits: MotionLimits) -> ApproachProfile:
+    def _profile(self, length: float, limits: MotionLimits) -> Profile:
         return self._phases.drive(length, limits)
-
-
-class _EasedTurn:
-    """A turn in place by ``turn`` [rad] from the pose ``begin``; it slows down towards its end as ``profile`` does."""
-
-    __slots__ = ('_begin', '_turn', '_profile', '_driven')
-
-    def __init__(self, begin: Pose2D, turn: float, profile: ApproachProfile, driven: float) -> None:
-        self._begin, self._turn, self._profile, self._driven = begin, turn, profile, driven
-
-    @staticmethod
-    def guess(_distance: float) -> None:
-        """Return None: the robot drives no distance during a turn."""
-
-    def even_instants(self, ramp_pieces: int) -> List[float]:
-        return self._profile.changes(ramp_pieces)
-
-    def smooth(self) -> List[Tuple[float, float]]:
-        return [(self._profile.seconds, 0.0)]
-
-    def _of_profile(self, value: float) -> float:
-        """Return the angle of the turn [rad], or its rate [rad/s], that corresponds to one of the profile."""
-        return self._turn * value / self._profile.distance if self._profile.distance else 0.0
-
-    def pose_at(self, elapsed_ns: int) -> Pose2D:
-        turned = self._of_profile(self._profile.covered(elapsed_ns / NS_PER_S))
-        return Pose2D(self._begin.x, self._begin.y, self._begin.yaw + turned)
-
-    def velocity_at(self, elapsed_ns: int) -> Tuple[float, float]:
-        return 0.0, self._of_profile(self._profile.speed(elapsed_ns / NS_PER_S))
-
-    def distance_at(self, _elapsed_ns: int) -> float:
-        return self._driven

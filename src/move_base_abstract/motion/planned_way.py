@@ -5,7 +5,8 @@ import math
 from typing import TYPE_CHECKING, Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
-    from .route import Route, Segment
+    from .phases import Segment
+    from .route import Route
 
     Point = Tuple[float, float]
     Known = Tuple[Point, Point, Sequence[Segment]]

@@ -16,9 +16,9 @@ from .route import CornerLaw, Route, route_along
 if TYPE_CHECKING:
     from .approach import MotionPhases
     from .original import OriginalLaw
-    from .pace import AnyLeg
+    from .pieces import Motion
 
-    _Motion = Union[AnyLeg, '_Stand']
+    _Motion = Union[Motion, '_Stand']
 
 
 class Robot:
@@ -44,7 +44,7 @@ class Robot:
         self.phases = phases
         self._original = original
         #: the :class:`Leg` or :class:`Route` under way, or None while the robot stands
-        self.leg: Optional[AnyLeg] = None
+        self.leg: Optional[Motion] = None
         self._motion: _Motion = _Stand(pose, since_ns)
         self._past: Deque[_Motion] = deque([self._motion], maxlen=remembered_legs)
         self._driven = 0.0
@@ -88,7 +88,7 @@ class Robot:
         return self._driven + self._motion.distance_at(now_ns)
 
     def depart(self, goal: Pose2D, now_ns: int, corners: Sequence[Tuple[float, float]] = (),
-               paced: Optional[Callable[[AnyLeg], AnyLeg]] = None) -> AnyLeg:
+               paced: Optional[Callable[[Motion], Motion]] = None) -> Motion:
         """Start for ``goal`` (Pose2D) from rest, from the robot's pose at ``now_ns`` [ns], along ``corners``.
 
         ``corners`` is [(x, y), ...] [m] or a :class:`.PlannedWay`, which may have limits and a duration. If there is
@@ -101,7 +101,7 @@ class Robot:
         """
         start = self.pose_at(now_ns)
         way = corners if isinstance(corners, PlannedWay) else None
-        leg: AnyLeg
+        leg: Motion
         if self._original is not None:
             leg = self._original.leg(start, goal, self.limits, now_ns)
         elif self.phases is not None:
@@ -166,7 +166,7 @@ class Robot:
         self._past.clear()
         self._begin(_Stand(pose, now_ns), None, before_ns)
 
-    def _begin(self, motion: _Motion, leg: Optional[AnyLeg],
+    def _begin(self, motion: _Motion, leg: Optional[Motion],
                driven_ns: Optional[int] = None) -> None:
         """Go on with ``motion``, which is ``leg`` or a stand; the distance driven counts up to ``driven_ns`` [ns]."""
         if driven_ns is not None and self.leg is not None:
