@@ -85,11 +85,11 @@ class Record:
                 for message in self._messages[seen:]:
                     if wanted(message):
                         return message
-                seen = len(self._messages)
+                seen = max(since, len(self._messages))
                 left = deadline - time.monotonic()
                 if left <= 0.0 or rospy.is_shutdown():
                     raise AssertionError('{}: {} did not come within {} s; got {} messages, the last: '
-                                         '{}'.format(self.topic, what, GUARD, seen, self._messages[-1:]))
+                                         '{}'.format(self.topic, what, GUARD, len(self._messages), self._messages[-1:]))
                 self._changed.wait(left)
 
 

@@ -157,17 +157,25 @@ class TimeMasterTest(unittest.TestCase):
 
     # ---- step and run until ----
 
+    def at_rest(self):
+        """Return the time on /clock as soon as it does not change; messages from before may still be under way."""
+        mark = self.clock.mark()
+        while True:
+            last, now = self.clock.wait_for_count(2, mark)[:2]
+            if last.clock == now.clock:
+                return now.clock
+            mark += 1
+
     def end_of(self, target):
         """Wait until the time master is paused at ``target``; return the last time on /clock."""
         self.state.wait('the target', lambda state: state.paused and state.sim_time == target)
-        mark = self.clock.mark()
-        return self.clock.wait_for_count(2, mark)[-1].clock
+        return self.at_rest()
 
     def test_step_ends_exactly_and_paused_at_any_factor(self):
         for factor in (1.0, 77.7, 1e4):
             self.client.set_factor(factor)
             self.client.pause()
-            before = self.clock.wait_for_count(3, self.clock.mark())[-1].clock
+            before = self.at_rest()
             answer = self.call('step', Step, rospy.Duration(0, 123456789))
             self.assertTrue(answer.success, answer.message)
             self.assertEqual(answer.target, before + rospy.Duration(0, 123456789))
