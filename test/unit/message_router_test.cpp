@@ -218,6 +218,19 @@ TEST_F(Routing, ALinkThatClosesAndOpensInOneRoundIsNotSaidToBeClosed) {
   EXPECT_EQ(got(2), Items{});
 }
 
+TEST_F(Routing, WhoSubscribesAgainAndAgainInOneRoundIsGreetedOnce) {
+  act(1, advertise(5, "/x"));
+  for (int i = 0; i < 2; ++i) {
+    act(2, subscribe(6, "/x"));
+    act(2, wire::Unsubscribe{6});
+  }
+  act(2, subscribe(6, "/x"));
+  EXPECT_EQ(got(1), Items{"subscriber 5 2"});
+  act(2, wire::Unsubscribe{6});
+  act(2, subscribe(6, "/x"));
+  EXPECT_EQ(got(1), Items{"subscriber 5 2"});
+}
+
 TEST_F(Routing, RepeatedDeclarationsOfOneNodeChangeNothing) {
   act(1, advertise(5, "/x"));
   act(2, subscribe(6, "/x"));

@@ -190,7 +190,9 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
   post_(subscriber.member,
         {order, wire::Publisher{subscriber.topic, publisher.member, publisher.type, publisher.md5,
                                 publisher.latched, publisher.definition}});
-  post_(publisher.member, {order, wire::Subscriber{publisher.topic, subscriber.member}});
+  if (greeted_.insert({publisher.member, publisher.topic, subscriber.member}).second) {
+    post_(publisher.member, {order, wire::Subscriber{publisher.topic, subscriber.member}});
+  }
   if (toPublishers(subscriber.delivery) != wire::Delivery::kAll) {
     tellHearing(by, publisher, subscriber);
   }
@@ -243,6 +245,7 @@ void MessageRouter::finishRound() {
     }
   }
   closings_.clear();
+  greeted_.clear();
 }
 
 void MessageRouter::act(const Action& by, const wire::Send& item) {

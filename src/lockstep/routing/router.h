@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -262,6 +263,8 @@ class MessageRouter {
   std::vector<Service> services_;
   std::map<std::pair<MemberId, std::uint32_t>, OpenCall> calls_;  // by caller and its number
   std::vector<Closing> closings_;
+  // publisher, its topic, and who has begun to hear it in this round: it gets what is latched once
+  std::set<std::tuple<MemberId, std::uint32_t, MemberId>> greeted_;
   OpenGoals goals_;
   std::vector<std::string> warnings_;
   std::uint64_t messages_ = 0;
