@@ -127,6 +127,7 @@ class LabelledTest(unittest.TestCase):
         with open(os.path.join(FOLDER, 'untold.py')) as script:
             names = re.findall(r"'([-%a-zA-Z_0-9. ]+)': ", script.read())
         found = places(run, 'untold.py')
+        self.assertIn('of /proc/NUMBER/stat: ', '\n'.join(run.state.not_repeatable_because))
         self.assertEqual(sorted(name for name, _line in found), sorted(' '.join(names).split()))
         for name, line in found:
             self.assertIn(SHOWN.get(name, name.rpartition('.')[2] + '('), line)

@@ -136,7 +136,7 @@ WAYS = {
     'xmlrpc.client.ServerProxy logging.Formatter open getPid': str,  # by the function before
     'repr str str format f-string %': by_texts,
     'hash hash hash hash': lambda: (hash(threading.Lock()), by_hash(), by_name()),
-    'open open': lambda: (open('/dev/urandom', 'rb').read(1), listed()),
+    'open open os.getpid': lambda: (open('/proc/%d/stat' % os.getpid()).read(1), listed()),
     'os.system': lambda: os.system('true'),
     'os.exec': execute, 'builtins.input': ask,
     'subprocess.Popen': lambda: subprocess.check_output(['date', '+%N']), 'os.fork': fork,
@@ -154,7 +154,7 @@ WAYS = {
     'os.stat': lambda: os.stat('/').st_mtime, 'rospy.get_param rospy.get_param': lambda: (rospy.get_param('/run_id', ''), by_rosparam()),
     'ctypes.dlsym': lambda: ctypes.CDLL('libc.so.6').time(None),
 }
-EARLY = ('os.getpid', 'open open')  # before the program is a node
+EARLY = ('os.getpid', 'open open os.getpid')  # before the program is a node
 
 
 def main():

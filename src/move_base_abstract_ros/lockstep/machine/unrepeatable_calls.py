@@ -77,6 +77,8 @@ _DEVICES = ('/dev/', '/proc/', '/sys/')
 #: paths there that read the same in each run, or are the program's own output
 _HARMLESS = ('/dev/null', '/dev/zero', '/dev/full', '/dev/tty', '/dev/stdin', '/dev/stdout', '/dev/stderr', '/dev/fd/',
              '/dev/shm/', '/dev/pts/')
+#: in a path there: a label is the same in each run
+_PROCESS_NUMBER = re.compile('(?<=^/proc)/[0-9]+(?=/|$)|(?<=/task)/[0-9]+(?=/|$)')
 
 
 #: functions of the C library that a program gets by ctypes, and that are never the run's
@@ -215,6 +217,7 @@ def _listing(machine: Callable[..., Any], in_order: Callable[..., Any]) -> Calla
 def _tell_of_device(path: str, frame: Any) -> None:
     path = os.fsdecode(path) if isinstance(path, (bytes, os.PathLike)) else path
     if isinstance(path, str) and (path + '/').startswith(_DEVICES) and not path.startswith(_HARMLESS):
+        path = _PROCESS_NUMBER.sub('/NUMBER', path)
         told.tell(own_frame(frame), 'open', 'of {}: what the machine says there differs from run to run'.format(path))
 
 
