@@ -14,7 +14,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.shown import shown
 from move_base_abstract.common.units import seconds_to_ns
 from move_base_abstract.maps.map_files import load_map, read_description, write_map
-from move_base_abstract.scenario import Scenario, read_scenario
+from move_base_abstract.scenario import Scenario, make_scenario, read_scenario
 
 from .movingai import Cell, Problem, is_free
 
@@ -51,7 +51,8 @@ def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: floa
 
     ``words``: the command, for a comment in the files.
 
-    :raises ConfigurationError: if other files are in the folder, or a problem is not on free cells.
+    :raises ConfigurationError: if other files are in the folder, a problem is not on free cells, or the robots'
+        numbers are out of their ranges.
     """
     for number, problem in enumerate(problems):
         for what, cell in zip(problem._fields, problem):
@@ -63,10 +64,14 @@ def write_folder(folder: str, grid: Grid, problems: List[Problem], seconds: floa
     for number, problem in enumerate(problems):
         x, y = grid.place(problem.start)
         robots.append({'name': 'agent_{}'.format(number), 'start_x': x, 'start_y': y})
+    defaults = {'max_speed': grid.size / seconds, 'robot_radius': _RADIUS * grid.size, 'log_motion': True}
+    try:
+        make_scenario({'defaults': defaults, 'robots': robots})
+    except ConfigurationError as error:
+        raise ConfigurationError('cells of {} m, steps of {} s: {}'.format(grid.size, seconds, error)) from None
     marker = FOLDER.make(folder)
     try:
         write_map(folder, 'map', grid.blocked, grid.size, head=head)
-        defaults = {'max_speed': grid.size / seconds, 'robot_radius': _RADIUS * grid.size, 'log_motion': True}
         with own_files.whole_file(os.path.join(folder, 'scenario.yaml'), encoding='utf-8') as stream:
             stream.write(head + yaml.safe_dump({'defaults': defaults, 'robots': robots}, sort_keys=False,
                                                default_flow_style=None, width=120))

@@ -299,6 +299,10 @@ def test_the_command_makes_a_scenario_drives_a_plan_and_tells_what_has_come_of_i
     assert run('run', folder, tmp_path / 'plan.txt') == 2
     assert 'agent_0: the plan begins at' in capsys.readouterr().err
     assert run('import', grid, problems, '--agents', 99, '--out', folder) == 2
+    for word, value, told in (('--cell', '1e308', 'start_x: got inf'), ('--step', '1e-320', 'max_speed: got inf')):
+        assert run('import', grid, problems, '--agents', 5, '--out', tmp_path / 'far', word, value) == 2
+        assert told in capsys.readouterr().err
+    assert not (tmp_path / 'far').exists()
     (tmp_path / 'other.map').write_text(grid.read_text())
     assert run('import', tmp_path / 'other.map', problems, '--agents', 5, '--out', folder) == 2
     assert re.search(r"boxes.scen:2: got .*; allowed: problems for 'other.map'", capsys.readouterr().err)

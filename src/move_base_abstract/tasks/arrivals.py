@@ -58,8 +58,8 @@ def _area(value: object) -> Tuple[float, ...]:
 
 
 PLACE = Parameter('place', None, robot_name, allowed='the name of one of the places')
-AREA = Parameter('area', None, made_by(_area, 'a list [x_min, y_min, x_max, y_max] [m, global frame], x_min <= x_max, '
-                                       'y_min <= y_max', _corners.schema))
+AREA = Parameter('area', None, made_by(_area, 'a list [x_min, y_min, x_max, y_max] within 1e9 [m, global frame], '
+                                       'x_min <= x_max, y_min <= y_max', _corners.schema))
 FILE = Parameter('file', None, string('the path of a file: .csv, .yaml or .yml'))
 #: how often something arrives
 RATE_TABLE = (
