@@ -300,6 +300,36 @@ def test_a_robot_that_is_not_there_cannot_start_anywhere(package):
         plan.plan_of(plan.read([(path, [])]), plan.LaunchOptions(start={'/b': (0.0, 0.0, 0.0)}))
 
 
+@pytest.mark.parametrize(('prefix', 'is_tolerant', 'no_displays', 'expected'), [
+    ('xterm -hold -e', False, 'there is no screen', "'xterm -hold -e': it only displays, and there is no screen"),
+    ('no_such_terminal -e', True, '', "'no_such_terminal -e': it is not here"), ('nice -n 2', True, 'no screen', ''),
+    ('python', False, '', '')])
+def test_a_launch_prefix_that_cannot_be_seen_or_is_not_here_is_left_out_and_told(package, prefix, is_tolerant,
+                                                                               no_displays, expected):
+    package('scripts/a.py', '#!/usr/bin/env python3\nimport rospy\n', 0o755)
+    path = package('one.launch', '<launch><node pkg="of_a_stranger" type="a.py" name="a" launch-prefix="{}"/>'
+                   '</launch>'.format(prefix))
+    options = plan.LaunchOptions(tolerant=is_tolerant, no_displays=no_displays)
+    made = plan.plan_of(plan.read([(path, [])], True), options)
+    assert made.notes == ['/a is started without its launch-prefix ' + expected] * bool(expected)
+    assert [prefix.partition(' ')[0] in node.launch_prefix for node in made.config.nodes if node.name == 'a'] == [
+        not expected]
+
+
+@pytest.mark.parametrize(('attributes', 'problem'), [
+    ('launch-prefix="no_such_terminal -e"', "/a: its launch-prefix starts 'no_such_terminal', which is not here"),
+    ('launch-prefix="bash -c \'x"', '/a: launch-prefix: got "bash -c \'x", which is not a list of words: No closing'),
+    ('args="--x \'open"', '/a: its args "--x \'open" are no list of words: No closing quotation')])
+def test_a_node_whose_command_cannot_be_made_ends_the_run_before_it_begins(package, attributes, problem):
+    package('scripts/a.py', '#!/usr/bin/env python3\nimport rospy\n', 0o755)
+    path = package('one.launch', '<launch><node pkg="of_a_stranger" type="a.py" name="a" {}/></launch>'.format(
+        attributes))
+    config = plan.read([(path, [])], True)
+    with pytest.raises(ConfigurationError) as raised:
+        plan.plan_of(config, plan.LaunchOptions())
+    assert problem in str(raised.value)
+
+
 def test_no_guess_by_a_part_of_a_name_has_precedence_over_a_program_that_is_here(package):
     for name in ('kobuki_fleet', 'team_slam', 'laser_tag'):
         package('../{}/package.xml'.format(name), '<package><name>{}</name></package>'.format(name))
@@ -315,7 +345,7 @@ def test_no_guess_by_a_part_of_a_name_has_precedence_over_a_program_that_is_here
     assert made.options.leave_out == ('/keys', '/task', '/filter', '/joy')
     assert made.options.no_respawn and tuple(made.options.start.items()) == ()
     for name in 'abc':
-        assert sum(line.startswith('/{} ('.format(name)) and 'stays: its program is here' in line
+        assert sum(line.startswith('/{} ('.format(name)) and 'stays, because its program is here' in line
                    and '--leave-out /{} '.format(name) in line for line in made.remarks) == 1
     assert any('/task (kobuki_fleet/not_built) is left out: this program is not installed here; build its package'
                in line for line in made.remarks)

@@ -10,7 +10,7 @@ from move_base_abstract.common.geometry import Pose2D
 from move_base_abstract.common.options import of_words
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract_ros.adopting import floors
-from move_base_abstract_ros.launching import started
+from move_base_abstract_ros.launching import plan, started
 from strangers_package import adopt, package_fixture, write_map, write_stage  # noqa: F401 - a fixture
 
 SERVER = '<node pkg="map_server" type="map_server" name="map_server" args="$(dirname)/../maps/walls.yaml"/>'
@@ -50,6 +50,38 @@ def test_a_map_server_in_the_file_means_that_robots_go_around_its_map_and_a_note
         '/move_base uses the map of /map_server, as upstream would (routes: grid, radius 0.206 m, inflation 0.15 m, '
         'unknown cells not free, tolerances 0.25 m and 0.3 rad, or 0.4 m beside a goal): ways lead around what it ')
     assert line.endswith('--param /move_base/use_map=false undoes it, --param use_map=false for all robots')
+
+
+FLEX = """<launch>{server}
+  <node pkg="amcl" type="amcl" name="amcl"><param name="initial_pose_x" value="2.0"/></node>
+  <node pkg="mbf_costmap_nav" type="mbf_costmap_nav" name="move_base_flex"><rosparam>
+    {{controllers: [{{name: eband, type: x/EBandPlannerROS}}, {{name: teb, type: x/TebLocalPlannerROS}}],
+      planners: [{{name: GlobalPlanner, type: global_planner/GlobalPlanner}}], GlobalPlanner: {{allow_unknown: false}},
+      teb: {{max_vel_x: 0.7, xy_goal_tolerance: 0.15}},
+      global_costmap: {{robot_radius: 0.3, track_unknown_space: true}}}}</rosparam></node>
+  {relay}</launch>"""
+RELAY = '<node pkg="mbf_costmap_nav" type="move_base_legacy_relay.py" name="move_base">{}</node>'.format(
+    '<param name="base_local_planner" value="x/teb"/>')
+
+
+@pytest.mark.parametrize(('relay', 'local'), [(RELAY, 'teb'), ('', 'eband')])
+def test_move_base_flex_is_a_robot_with_its_own_costmaps_and_the_planners_of_its_relay(package, relay, local):
+    write_map(package)
+    path = package('flex.launch', FLEX.format(server=SERVER, relay=relay))
+    made = adopt(path)
+    assert not made.problems and made.options.leave_out == ('/amcl', *['/move_base'] * bool(relay))
+    assert made.options.replace['mbf_costmap_nav/mbf_costmap_nav'] == 'move_base_abstract/move_base'
+    assert made.options.start == {'/move_base_flex': (2.0, 0.0, 0.0)}
+    assert made.options.param['/move_base_flex/base_local_planner'] == local
+    line, = remarks(made, 'uses the map of')
+    assert 'radius 0.304 m, unknown cells not free, tolerances {:g} m'.format(0.15 * bool(relay)) in line
+    assert len(remarks(made, 'exe_path')) == 1
+    plan.plan_of(plan.read([(path, [])], True), plan.launch_options(made.options))  # it can be started
+
+
+def test_a_use_map_for_all_robots_that_is_neither_true_nor_false_is_a_problem(file):
+    assert adopt(file(), param={'/use_map': 'maybe'}).problems == (
+        "parameter use_map above /move_base: got 'maybe'; allowed: true or false",)
 
 
 @pytest.mark.parametrize('name', ['/use_map', '/move_base/use_map'])

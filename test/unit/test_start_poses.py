@@ -73,9 +73,20 @@ def test_a_program_that_may_place_robots_later_is_named_with_the_place_zero(pack
       <group ns="a"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
       <group ns="b"><node pkg="move_base_abstract" type="move_base" name="move_base"/></group>
       <node pkg="of_a_stranger" type="place.py" name="placer"/></launch>""")
-    unless = ', unless /placer places them, whose program names initialpose: '
+    unless = ', unless /placer sets another place (it names initialpose): '
     assert ['(0, 0)' + unless in note for note in notes_of(path)] == [True]
     assert [(line.count(unless), '(0, 0' in line) for line in adopt(path).remarks] == [(1, True)] * 3
+
+
+def test_of_several_programs_that_may_place_a_robot_the_one_in_its_namespace_is_named(package):
+    package('scripts/place.py', '#!/usr/bin/env python3\nimport rospy\nrospy.Publisher("initialpose")\n', 0o755)
+    robot = '<node pkg="move_base" type="move_base" name="move_base"/>'
+    made = adopt(package('two.launch', """<launch>
+      <group ns="a">{0}<node pkg="of_a_stranger" type="place.py" name="place"/></group> <group ns="b">{0}
+        <node pkg="rostopic" type="rostopic" name="pub" args="pub -l initialpose geometry_msgs/Pose2D {{}}"/></group>
+    </launch>""".format(robot)))
+    assert [line.partition(' sets')[0] for line in made.remarks if 'the file gives no place' in line] == [
+        '/a/move_base starts at (0, 0, 0), unless /a/place', '/b/move_base starts at (0, 0, 0), unless /b/pub']
 
 
 @pytest.mark.parametrize(('parameters', 'is_told'), [('', True), ('<param name="stage_offset_x" value="0.0"/>', False)])

@@ -56,8 +56,8 @@ def check_programs(config: Any, options: Any) -> None:
     :raises ConfigurationError: if programs are missing.
     """
     from move_base_abstract_ros.launching import started
-    started.take_away(config, options)
-    started.refuse_missing(config, options)
+    _names, lines = started.take_away(config, options)
+    started.refuse_missing(config, options, lines)
 
 
 def arguments_of(path: str) -> List[str]:

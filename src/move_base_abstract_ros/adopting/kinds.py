@@ -18,6 +18,9 @@ class Kind(NamedTuple):
 
 _BY_NAME = {
     ('move_base', 'move_base'): Kind(ROBOT),
+    ('mbf_costmap_nav', 'mbf_costmap_nav'): Kind(ROBOT),
+    ('mbf_simple_nav', 'mbf_simple_nav'): Kind(ROBOT),
+    ('mbf_costmap_nav', 'move_base_legacy_relay.py'): Kind(LEFT_OUT, 'our robot has the action move_base itself'),
     ('map_server', 'map_server'): Kind(MAP),
     ('tf', 'static_transform_publisher'): Kind(FRAME),
     ('tf2_ros', 'static_transform_publisher'): Kind(FRAME),

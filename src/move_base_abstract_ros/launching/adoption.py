@@ -115,6 +115,8 @@ class _Adoption:
             if kind.word == kinds.ROBOT or kind.word == kinds.MAP and self._serves_map(node):
                 if kind.word == kinds.ROBOT or roles.program_of(node) is None:
                     replaced[name] = '{}/{}'.format(PACKAGE, word_to_type(kind.word))
+                    if node.package.startswith('mbf_'):
+                        what_counts.take_planners(self, node)
             elif kind.word != kinds.MAP:
                 self._keep_or_leave(node, kind)
         for old, new in replaced.items():
@@ -174,8 +176,9 @@ class _Adoption:
         if why:
             self._leave(node, why, is_loss=True)
         elif kind.why:
-            self.remarks.append('{0} ({1}/{2}) stays: its program is here. If {3}: --leave-out {0} ({4})'.format(
-                roles.name_of(node), node.package, node.type, kind.why, _place(node)))
+            self.remarks.append(
+                '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out {0} '
+                'leaves it out ({4})'.format(roles.name_of(node), node.package, node.type, kind.why, _place(node)))
 
     def _nodelet(self, node):
         words = poses.words_of(node.args)
@@ -226,7 +229,7 @@ class _Adoption:
             if start.hint is None:
                 if not own:
                     self.remarks.append('{0} starts at (0, 0, 0){1}: the file gives no place; --start {0}=X,Y,YAW '
-                                        'gives one'.format(name, self._unless_placed()))
+                                        'gives one'.format(name, self._unless_placed(start.robot.namespace)))
                 continue
             starts[name] = tuple(map(float, start.pose))
             self.done.append('{} starts at ({:g}, {:g}, {:g}){}: {}{}'.format(
@@ -245,8 +248,8 @@ class _Adoption:
         node = next((node for node in self.config.nodes if roles.name_of(node) == name), None)
         return start_poses.own_place(name, node, self.values(), self.options.start)
 
-    def _unless_placed(self):
-        return start_poses.unless_placed(node for node in self.config.nodes if not self.is_out(node))
+    def _unless_placed(self, namespace=''):
+        return start_poses.unless_placed((node for node in self.config.nodes if not self.is_out(node)), namespace)
 
     def _one_place(self, found):
         for number, pose in enumerate(found):

@@ -143,7 +143,7 @@ def plan_of(config, options):
     left_out, more = started.take_away(config, options)
     notes += more
     _refuse_other_clocks(config, options.kept)
-    started.refuse_missing(config, options)
+    started.refuse_missing(config, options, more)
     fleets = _fleets(config)
     notes += _split(config, fleets, options.parts)
     notes += start_poses.notes_of(config, said, not options.is_told)
@@ -156,7 +156,7 @@ def plan_of(config, options):
         notes += [*filter(None, [roles.choice_of_program(node)]), *_look_at_recorder(config, node, role)]
     if not any(role.takes_part for role in found) and not _named(config):
         raise ConfigurationError('no node of this launch file can take part in lockstep: {}'.format(
-            '; '.join('{}: {}'.format(role.name, role.why) for role in found) or 'there is none'))
+            '; '.join(['{}: {}'.format(role.name, role.why) for role in found] + more) or 'there is none'))
     _keep_local([*config.nodes_core, *(node for node, role in zip(_others(config), found) if not role.takes_part)])
     notes += _add_time_master(config, found, options)
     if options.is_reversed:

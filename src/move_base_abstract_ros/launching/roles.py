@@ -2,12 +2,16 @@
 import os
 import re
 import shlex
+import shutil
 from typing import NamedTuple
 
 from rosgraph.names import ns_join
 from roslaunch.core import RLException, is_machine_local
 from roslaunch.node_args import NodeParamsException, create_local_process_args
 from roslib import packages
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 from ..adopting.poses import name_of
 from ..lockstep.programs import command_line, recorders
@@ -147,7 +151,7 @@ def _outside(node, with_respawned):
         return "it belongs on the machine '{}'".format(node.machine_name)
     if node.respawn and not with_respawned and not _is_by_itself(node):
         return 'it is respawned (--no-respawn lets it take part, and be started once)'
-    words = shlex.split(node.launch_prefix or '')
+    words = prefix_words(node)
     if words and os.path.basename(words[0]) in _DEBUGGERS:
         return "it runs under '{}'".format(words[0])
     return None
@@ -181,7 +185,7 @@ def _own_type(node):
 
 def is_shell(node):
     """Return whether a roslaunch Node's process is a shell that starts the program."""
-    prefix = shlex.split(node.launch_prefix or '')
+    prefix = prefix_words(node)
     path = None if node.package == PACKAGE else program_of(node)
     return bool(prefix) and is_shell_word(prefix[0]) or (
         path is not None and command_line.kind_of(path) == 'shell')
@@ -204,12 +208,34 @@ def _programs_of(node):
         return []
 
 
+def prefix_words(node):
+    """Return the words of a roslaunch Node's launch prefix.
+
+    :raises ConfigurationError: if a quote in it is open.
+    """
+    try:
+        return shlex.split(node.launch_prefix or '')
+    except ValueError as fault:
+        raise ConfigurationError('{}: launch-prefix: got {}, which is not a list of words: {} ({})'.format(
+            name_of(node), shown(node.launch_prefix), fault, node.filename or 'added')) from None
+
+
+def missing_prefix(node):
+    """Return the program of a roslaunch Node's launch prefix, or '' if it is here. Python is our launcher."""
+    name = next(iter(prefix_words(node)), '')
+    is_here = os.path.basename(name).startswith('python') or 'PATH' in dict(node.env_args) or shutil.which(name)
+    return name if name and not is_here else ''
+
+
 def command_of(node):
     """Return the words of the command that starts a roslaunch Node.
 
-    :raises NodeParamsException, ValueError: if its program is not here, or the interpreter that the program names.
+    :raises NodeParamsException, ValueError: if its program is not here, or the interpreter that the program names, or
+        that of its launch prefix.
     """
     words = create_local_process_args(node, node.machine)
+    if missing_prefix(node):
+        raise NodeParamsException("its launch-prefix starts '{}', which is not here".format(missing_prefix(node)))
     interpreter = programs.missing_interpreter(words[0])
     if interpreter and 'PATH' not in dict(node.env_args):
         raise NodeParamsException('{} is a program for {}, which is not here'.format(words[0], interpreter))
@@ -242,7 +268,7 @@ def choice_of_program(node):
 
 def prefix_of(node, launcher):
     """Return the node's launch prefix with the words of our launcher in it: before a Python, otherwise at the end."""
-    words = shlex.split(node.launch_prefix or '')
+    words = prefix_words(node)
     if is_nodelet_loader(node):
         launcher = [*launcher, '--sleep', 'simulated']
     at = next((k for k, word in enumerate(words) if os.path.basename(word).startswith('python')), len(words))

@@ -63,13 +63,17 @@ def own_place(name, node, values, starts=None):
     return {key: _number(value) for key, value in found.items()}
 
 
-def unless_placed(nodes):
-    """Return ', unless NODE places them ...' if the program of a node may place robots later, otherwise ''."""
-    for node in nodes:
+def unless_placed(nodes, namespace=''):
+    """Return ', unless NODE sets another place ...' if a node may place robots later, otherwise ''.
+
+    Of several nodes the first one in the robot's ``namespace`` is named.
+    """
+    for node in sorted(nodes, key=lambda node: node.namespace != namespace):
         path = roles.program_of(node) if node.package != PACKAGE and roles.role_of(node).takes_part else None
-        word = next((word for word in _PLACING if path is not None and programs.mentions(path, word)), None)
+        word = next((word for word in _PLACING if path is not None and (
+            word in (node.args or '').encode() or programs.mentions(path, word))), None)
         if word:
-            return ', unless {} places them, whose program names {}'.format(roles.name_of(node), word.decode())
+            return ', unless {} sets another place (it names {})'.format(roles.name_of(node), word.decode())
     return ''
 
 

@@ -1,13 +1,19 @@
 """Which nodes of a launch file are started, with which programs: not those left out, unseen, or not here."""
+import os
+
 from roslaunch.core import Node, is_machine_local
 from roslaunch.node_args import NodeParamsException
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import shown
 
 from ..adopting import poses, worlds
 from ..loopback import PACKAGE
 from . import given, programs, roles
 
+#: programs of a launch prefix that show a node's output in a window
+_TERMINALS = frozenset(('xterm', 'gnome-terminal', 'konsole', 'lxterminal', 'mate-terminal', 'terminator', 'urxvt',
+                        'uxterm', 'x-terminal-emulator', 'xfce4-terminal'))
 _STAND_INS = {('move_base', 'move_base'): 'move_base', ('map_server', 'map_server'): 'map_server'}
 
 
@@ -21,7 +27,7 @@ def take_away(config, options):
     _check_names(config, options)
     left_out = [roles.name_of(node) for node in config.nodes if roles.name_of(node) in options.leave_out]
     config.nodes[:] = [node for node in config.nodes if roles.name_of(node) not in left_out]
-    notes = _without_displays(config, options)
+    notes = _without_displays(config, options) + _without_terminals(config, options)
     replaced = _replace(config, options.replace)
     notes += [] if options.is_told else replaced
     _take_real_map_server(config)
@@ -71,6 +77,23 @@ def _without_displays(config, options):
     return notes
 
 
+def _without_terminals(config, options):
+    """Take away launch prefixes that only show a node's output in a window, if it cannot be seen. Return lines.
+
+    If the options are tolerant, those whose program is not here go, too.
+    """
+    notes = []
+    for node in config.nodes:
+        why = 'it is not here' if options.tolerant and roles.missing_prefix(node) else ''
+        if options.no_displays and _TERMINALS.intersection(map(os.path.basename, roles.prefix_words(node)[:1])):
+            why = 'it only displays, and {}'.format(options.no_displays)
+        if why:
+            notes.append("{} is started without its launch-prefix '{}': {}".format(
+                roles.name_of(node), node.launch_prefix.strip(), why))
+            node.launch_prefix = None
+    return notes
+
+
 def _without_missing(config, options):
     """Take away the nodes whose programs are not here. Return lines about them for the user."""
     missing = _missing(config, options)
@@ -84,8 +107,13 @@ def end_of(node):
         node.required)
 
 
-def refuse_missing(config, options):
-    """Raise ConfigurationError if programs of the configuration are not here; it names all of them."""
+def refuse_missing(config, options, left_out=()):
+    """Raise ConfigurationError if programs of the configuration are not here; it names all of them.
+
+    ``left_out``: the lines of :func:`take_away`. If no other node is left, they are the error's text.
+    """
+    if left_out and all(map(roles.is_time_master, config.nodes)):
+        raise ConfigurationError('nothing is started, because nothing is left: {}'.format('; '.join(left_out)))
     missing = ['{}: {}'.format(roles.name_of(node), why) for node, why in _missing(config, options)]
     if missing:
         raise ConfigurationError(
@@ -116,6 +144,8 @@ def _is_for_launcher(node, options):
 
 
 def _in_words(node, error):
+    if isinstance(error, ValueError):
+        return 'its args {} are no list of words: {}'.format(shown(node.args), error)
     if roles.program_of(node) is not None:
         return str(error)
     own = _STAND_INS.get((node.package, node.type))

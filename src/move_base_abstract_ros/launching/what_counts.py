@@ -7,6 +7,7 @@ import os
 import shlex
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import error
 
 from ..adopting import poses, robots, served
 from ..loopback import PACKAGE
@@ -18,7 +19,7 @@ def use_maps(adoption, kept):
     maps = _served(adoption, kept)
     used, ground_of = {}, _ground_of()
     for robot, node in adoption.ours(kept) if maps else ():
-        if node is not None and node.type != robots.OWN[0]:
+        if node is not None and node.type == robots.OWN[1]:
             continue  # the original package's program looks at no map
         try:
             one, settings, why = _used(adoption, robot, node, maps)
@@ -45,8 +46,12 @@ def _used(adoption, robot, node, maps):
     :raises ConfigurationError: if the robot would end with an error.
     """
     name, values, group = robot.name, adoption.values(), adoption.below(robot.name)
-    if served.nearest(name, 'use_map', values) is False or {'use_map', 'compatible_with'} & set(group):
+    said = served.nearest(name, 'use_map', values)
+    if said is False or {'use_map', 'compatible_with'} & set(group):
         return None, None, ''  # somebody has said what to do; the original package's robots know no routes
+    if said not in (None, True):
+        adoption.problems.append(str(error('parameter use_map above {}'.format(name), said, 'true or false')))
+        return None, None, ''
     settings = adoption.read_settings(group, name)
     own, frame = settings.values['map_topic'], settings.values['global_frame']
     if own is None and settings.costmaps.map_topic is None:
@@ -66,6 +71,22 @@ def _used(adoption, robot, node, maps):
         param['map_topic'] = one.topic
     adoption.param.update(('{}/{}'.format(name, key), value) for key, value in param.items() if key not in group)
     return one, adoption.read_settings(adoption.below(name), name), ''
+
+
+def take_planners(adoption, node):
+    """Set the planners of the robot that replaces a move_base_flex: its relay's, or the first ones in its lists."""
+    name, values = roles.name_of(node), adoption.values()
+    relays = [roles.name_of(one) for one in adoption.config.nodes
+              if one.namespace == node.namespace and 'move_base_legacy_relay' in one.type]
+    for key, listed in (('base_local_planner', 'controllers'), ('base_global_planner', 'planners')):
+        asked = [values.get('{}/{}'.format(relay, key)) for relay in relays]
+        first = values.get('{}/{}'.format(name, listed))
+        asked += [one.get('name') for one in (first if isinstance(first, list) else ()) if isinstance(one, dict)]
+        chosen = next((one for one in asked if isinstance(one, str) and one), None)
+        if chosen is not None and '{}/{}'.format(name, key) not in values:
+            adoption.param['{}/{}'.format(name, key)] = chosen.rpartition('/')[2]
+    adoption.remarks.append('{0} has the interface of move_base, under its own name ({0}/make_plan): programs that use '
+                            'the actions of move_base_flex (exe_path, get_path) wait in vain'.format(name))
 
 
 def add_floor(adoption, kept):
