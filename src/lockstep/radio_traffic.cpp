@@ -61,14 +61,14 @@ HostId RadioTraffic::hostOf(MemberId id, std::uint32_t sub) const {
 
 void RadioTraffic::move(MemberId id, const wire::Motion& motion, Nanoseconds now) {
   settle(now);
-  std::vector<radio::Piece> pieces = radio::piecesOf(motion.pieces);
+  const motion::Motion pieces(motion.pieces);
   const std::string robot(motion.robot);
   watch_.advance(now);
   if (robots_.count({id, motion.sub}) == 0) {
     const HostId own = radio_.hosts().of("/" + robot + "/move_base");
     robots_[{id, motion.sub}] = own != 0 ? own : hostOf(id, motion.sub);
   }
-  const HostId host = radio_.hosts().move(robot, std::move(pieces));
+  const HostId host = radio_.hosts().move(robot, pieces);
   watch_.meet(now);
   if (host != 0) {
     watch_.moved(host, now);

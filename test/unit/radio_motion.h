@@ -20,7 +20,7 @@ inline std::string piece(Nanoseconds begin, const std::vector<double>& numbers) 
 
 /** @return that of a robot at (x [m], 0) which drives along x at @p speed [m/s]. */
 inline std::string piece(Nanoseconds begin, double x, double speed) {
-  return piece(begin, {x, 0.0, speed, 0.0, 0.0, 0.0});
+  return piece(begin, {x, 0.0, 0.0, 1.0, 0.0, speed, 0.0, 0.0, 0.0});
 }
 
 }  // namespace move_base_abstract

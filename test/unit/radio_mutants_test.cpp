@@ -10,6 +10,7 @@
 #include "lockstep/radio/draws.h"
 #include "lockstep/radio/link_watch.h"
 #include "lockstep/radio/radio.h"
+#include "radio_motion.h"
 
 namespace move_base_abstract::radio {
 namespace {
@@ -101,10 +102,9 @@ void places(Checks& failed) {
   check(failed, Line("range 8").send(1, 0).kind == Kind::kArrives, "range");
   check(failed, Line("range 7.9").send(1, 0).kind == Kind::kLost, "range");
   check(failed, Line("range 10 wall 3").send(1, 0).kind == Kind::kLost, "walls");
-  check(failed, Motion({{0, 0, 0, 0, 0, 2, 0}}).at(kNanosecondsPerSecond).x == 1.0, "motion");
   Line drive("range 5.01", "robot");
   drive.radio.hosts().move(
-      "b", {{0, 10.5, 0.5, -2, 0, 0, 0}, {5 * kNanosecondsPerSecond, 0.5, 0.5, 0, 0, 0, 0}});
+      "b", motion::Motion(piece(0, 10.5, -2) + piece(5 * kNanosecondsPerSecond, 0.5, 0)));
   LinkWatch watch(drive.radio.hosts());
   watch.meet(0);
   watch.take();
@@ -161,8 +161,7 @@ INSTANTIATE_TEST_SUITE_P(
         RuleCase{"radio_backs_off", "back-off"}, RuleCase{"radio_buffer", "buffer"},
         RuleCase{"radio_range_itself_hears", "range"}, RuleCase{"radio_walls_cost", "walls"},
         RuleCase{"radio_table_is_straight", "table"}, RuleCase{"radio_path_loss", "path loss"},
-        RuleCase{"radio_shadowing", "shadowing"}, RuleCase{"radio_acceleration", "motion"},
-        RuleCase{"radio_link_to_the_nanosecond", "link"}),
+        RuleCase{"radio_shadowing", "shadowing"}, RuleCase{"radio_link_to_the_nanosecond", "link"}),
     [](const testing::TestParamInfo<RuleCase>& one) { return std::string(one.param.name); });
 
 }  // namespace

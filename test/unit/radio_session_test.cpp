@@ -211,7 +211,7 @@ TEST(RadioSession, AMotionThatIsNoneEndsItsParticipant) {
   Air air("range 5", "robot");
   air.report(2, kNever, {wire::Motion{0, "robot_1", "none"}});
   air.report(1, kNever);
-  EXPECT_NE(air.end[2].find("a motion must have pieces of 56 bytes"), std::string::npos)
+  EXPECT_NE(air.end[2].find("a motion must have pieces of 80 bytes"), std::string::npos)
       << air.end[2];
   Stage wired(named({"/a"}));
   wired.join(1, "/a");

@@ -257,9 +257,8 @@ struct Driving {
         base(radio.hosts().of("/base")),
         robot(radio.hosts().of("/robot_7/move_base")) {}
   void drive(Nanoseconds begin) {
-    const HostId host =
-        radio.hosts().move("robot_7", piecesOf(piece(begin, {20, 0, -10, 0, 0, 0}) +
-                                               piece(begin + 3 * kSecond / 2, {5, 0, 0, 0, 0, 0})));
+    const HostId host = radio.hosts().move(
+        "robot_7", motion::Motion(piece(begin, 20, -10) + piece(begin + 3 * kSecond / 2, 5, 0)));
     EXPECT_EQ(host, robot);
     radio.moved(host, begin);
   }
@@ -303,21 +302,6 @@ TEST(Radio, LinksComeUpToTheNanosecond) {
   EXPECT_TRUE(changes[0].is_up);
   EXPECT_TRUE(watch.isUp(one.robot, one.base));
   EXPECT_EQ(watch.next(), kNever);
-}
-
-TEST(Radio, APieceIsAQuadratic) {
-  const Motion motion(
-      piecesOf(piece(kSecond, {1, 2, 3, 4, 0.5, -1}) + piece(3 * kSecond, {8, 8, 0, 0, 0, 0})));
-  EXPECT_EQ(motion.at(0).x, 1.0);
-  EXPECT_EQ(motion.at(2 * kSecond).x, 4.25);
-  EXPECT_EQ(motion.at(2 * kSecond).y, 5.5);
-  EXPECT_EQ(motion.at(30 * kSecond).y, 8.0);
-  EXPECT_EQ(motion.end(), 3 * kSecond);
-  EXPECT_THROW(piecesOf(""), std::invalid_argument);
-  EXPECT_THROW(piecesOf("12345678"), std::invalid_argument);
-  EXPECT_THROW(piecesOf(piece(5, {0, 0, 0, 0, 0, NAN})), std::invalid_argument);
-  EXPECT_THROW(piecesOf(piece(5, {0, 0, 0, 0, 0, 0}) + piece(5, {0, 0, 0, 0, 0, 0})),
-               std::invalid_argument);
 }
 
 TEST(Radio, PatternsOfNodes) {

@@ -1,7 +1,5 @@
-"""A network's file: what the time master is told of it, and what is refused; robots' motions as pieces."""
+"""A network's file: what the time master is told of it, and what is refused."""
 import argparse
-import math
-import struct
 from textwrap import indent
 
 import pytest
@@ -9,12 +7,6 @@ import pytest
 from move_base_abstract.common import options
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep.run_options import RunOptions
-from move_base_abstract.motion.approach import MotionPhases
-from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract.motion.leg import MotionLimits
-from move_base_abstract.motion.pace import Pace, PacedLeg
-from move_base_abstract.motion.robot import Robot
-from move_base_abstract.radio.motion_pieces import pieces_of
 from move_base_abstract.radio.network import resolve
 from move_base_abstract.runs import metrics
 from move_base_abstract.runs.story import Story
@@ -104,38 +96,6 @@ def test_walls_of_a_map(lines, tmp_path):
 def test_what_is_refused(lines, text, says):
     with pytest.raises(ConfigurationError, match=says):
         lines(text)
-
-
-def place_of(pieces, now_ns):
-    """Return the place that pieces tell, as the time master takes it (src/lockstep/radio/motions.cpp)."""
-    begin, x, y, vx, vy, ax, ay = [one for one in pieces if one[0] <= now_ns][-1]
-    elapsed = (now_ns - begin) / 1e9
-    return x + (vx + 0.5 * ax * elapsed) * elapsed, y + (vy + 0.5 * ay * elapsed) * elapsed
-
-
-def worst(robot, begin_ns, end_ns):
-    """Return how far [m] the pieces are away from the robot at most, and how many there are."""
-    pieces = list(struct.iter_unpack('<q6d', pieces_of(robot, begin_ns)))
-    return max(math.dist(place_of(pieces, now), (robot.pose_at(now).x, robot.pose_at(now).y))
-               for now in range(begin_ns, end_ns, 1_234_567)), len(pieces)
-
-
-@pytest.mark.parametrize('limits', [MotionLimits(0.5), MotionLimits(0.5, 0.3, 1.0), MotionLimits(2.0, 0.1)])
-def test_pieces_are_the_motion_itself(limits):
-    robot = Robot(0, 'r', limits=limits)
-    assert worst(robot, 0, 10**9) == (0.0, 1)
-    leg = robot.depart(Pose2D(3, 4, 1.0), 5, [(1.0, 1.0)])
-    assert worst(robot, 5, leg.arrive_ns + 10**9)[0] < 1e-8
-    assert worst(robot, 10**9, leg.arrive_ns + 10**9)[0] < 1e-8
-
-
-def test_pieces_of_another_pace_and_of_phases():
-    robot = Robot(0, 'r', limits=MotionLimits(0.5, 0.3, 1.0))
-    leg = robot.depart(Pose2D(3, 4, 1.0), 5, (), lambda leg: PacedLeg(leg, Pace(10**8, 1.3)))
-    assert worst(robot, 5, leg.arrive_ns)[0] < 1e-8
-    phased = Robot(0, 'r', limits=MotionLimits(0.5, 0.3, 1.0), phases=MotionPhases((0.5, 0.1), 2.0, 0.1, 1.0, 2.0, 0.1))
-    leg = phased.depart(Pose2D(3, 4, 1.0), 5)
-    assert worst(phased, 5, leg.arrive_ns)[0] < 1e-3
 
 
 def test_metrics_of_the_radio():

@@ -40,8 +40,8 @@ const LinkRule* Hosts::rule(HostId one, HostId other) const {
   return nullptr;
 }
 
-HostId Hosts::move(const std::string& robot, std::vector<Piece> pieces) {
-  motions_[robot] = Motion(std::move(pieces));
+HostId Hosts::move(const std::string& robot, const motion::Motion& motion) {
+  motions_.insert_or_assign(robot, motion);
   const auto found = ids_.find(robot);
   return found == ids_.end() || hosts_[found->second - 1].rule->at ? 0 : found->second;
 }
@@ -52,7 +52,11 @@ std::optional<Place> Hosts::place(HostId id, Nanoseconds now) const {
     return host.rule->at;
   }
   const auto motion = motions_.find(host.name);
-  return motion == motions_.end() ? std::nullopt : std::make_optional(motion->second.at(now));
+  if (motion == motions_.end()) {
+    return std::nullopt;
+  }
+  const motion::Pose pose = motion->second.poseAt(now);
+  return Place{pose.x, pose.y};
 }
 
 Nanoseconds Hosts::standsFrom(HostId id) const {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "motions.h"
+#include "motion/motion.h"
 #include "network.h"
 
 namespace move_base_abstract::radio {
@@ -38,7 +38,7 @@ class Hosts {
   const LinkRule* rule(HostId one, HostId other) const;
 
   /** @brief Set how the robot moves from now on. @return the host that moves with it; 0: none. */
-  HostId move(const std::string& robot, std::vector<Piece> pieces);
+  HostId move(const std::string& robot, const motion::Motion& motion);
   bool isFixed(HostId id) const { return hosts_[id - 1].rule->at.has_value(); }
   /** @return the host's place; nothing if it moves with a robot that has not reported a motion. */
   std::optional<Place> place(HostId id, Nanoseconds now) const;
@@ -68,7 +68,7 @@ class Hosts {
   const Network network_;
   std::vector<Host> hosts_;
   std::map<std::string, HostId, std::less<>> ids_;
-  std::map<std::string, Motion, std::less<>> motions_;  // by robot
+  std::map<std::string, motion::Motion, std::less<>> motions_;  // by robot
 };
 
 }  // namespace move_base_abstract::radio

@@ -48,7 +48,7 @@ def stand(pose: Pose2D, since_ns: int) -> Piece:
     return Piece(since_ns, pose.x, pose.y, pose.yaw, math.cos(pose.yaw), math.sin(pose.yaw))
 
 
-def _gone(piece: Piece, now_ns: int) -> Tuple[float, float]:
+def gone(piece: Piece, now_ns: int) -> Tuple[float, float]:
     """Return (the way [m] along the piece's vector, the time [s] that its turn took at the first rate)."""
     elapsed = (now_ns - piece.begin_ns) / _NS_PER_S
     g = elapsed if piece.k == 0.0 else (1.0 - math.exp(-piece.k * elapsed)) / piece.k
@@ -62,7 +62,7 @@ def acceleration_of(piece: Piece) -> float:
 
 def pose_of(piece: Piece, now_ns: int) -> Pose2D:
     """Return the pose at ``now_ns`` [ns] of a robot that moves as ``piece`` says."""
-    s, g = _gone(piece, now_ns)
+    s, g = gone(piece, now_ns)
     return Pose2D(piece.x + s * piece.ux, piece.y + s * piece.uy, piece.yaw + piece.w * g)
 
 
@@ -172,7 +172,7 @@ class Motion:
             left = whole - (now_ns - piece.begin_ns) / _NS_PER_S
             way = -0.5 * piece.a * (whole * whole - left * left)
         else:
-            way = abs(_gone(piece, now_ns)[0])
+            way = abs(gone(piece, now_ns)[0])
         return min(driven[index] + way, driven[index + 1])
 
     def guess_ns(self, distance: float) -> int:

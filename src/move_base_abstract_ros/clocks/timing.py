@@ -13,7 +13,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import EVENTS_ONLY
 from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
 from move_base_abstract.lockstep import wire
-from move_base_abstract.radio.motion_pieces import pieces_of
+from move_base_abstract.motion.told import packed, told_of
 
 from .. import lockstep
 from ..messages import outlets
@@ -234,7 +234,7 @@ class LockstepTiming:
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
             def tell(now_ns: int) -> None:
-                participant.add(wire.motion(sub, robot.name, pieces_of(robot, now_ns)))
+                participant.add(wire.motion(sub, robot.name, packed(told_of(robot, now_ns))))
             robot.follow(tell)
             tell(participant.now_ns)
 
