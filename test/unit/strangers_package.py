@@ -32,7 +32,8 @@ def package_fixture(tmp_path, monkeypatch):
     for name in ('ROS_PACKAGE_PATH', 'PYTHONPATH'):
         monkeypatch.setenv(name, os.environ.get(name, ''))
     monkeypatch.delenv('TURTLEBOT3_MODEL', raising=False)
-    monkeypatch.setattr('roslaunch.substitution_args._rospack', None)
+    for module in ('substitution_args', 'node_args'):
+        monkeypatch.setattr('roslaunch.{}._rospack'.format(module), None)
     look_ups.packages.cache_clear()
     folder = tmp_path / 'src' / 'of_a_stranger'
 

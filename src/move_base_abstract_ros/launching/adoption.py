@@ -177,8 +177,8 @@ class _Adoption:
             self._leave(node, why, is_loss=True)
         elif kind.why:
             self.remarks.append(
-                '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out {0} '
-                'leaves it out ({4})'.format(roles.name_of(node), node.package, node.type, kind.why, _place(node)))
+                '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out '
+                '{0} leaves it out ({4})'.format(roles.name_of(node), node.package, node.type, kind.why, _place(node)))
 
     def _nodelet(self, node):
         words = poses.words_of(node.args)
