@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A program that ends in the way that its argument names, or does not end although something went wrong."""
 import _thread
+from _thread import start_new_thread
 import asyncio
 import atexit
 import ctypes
@@ -105,7 +106,7 @@ def jobs():
     pool = ThreadPool(1)
     pool.apply_async(job)
     pool.map_async(rospy.sleep, ['long'])
-    _thread.start_new_thread(job, ())
+    start_new_thread(job, ())  # imported before the program is a node
     at(9, lambda: sys.exit(1))
     rospy.Service('~leave', Trigger, lambda request: sys.exit(1))
     try:

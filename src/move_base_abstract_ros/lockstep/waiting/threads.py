@@ -65,6 +65,7 @@ def watch_start(take_part: Callable[..., Any]) -> None:
     """
     _Watch.take_part = take_part
     replace('threading.Thread.start', _starting_early)
+    _follow_new_threads()  # the program may import the function by its name
 
 
 class _Watch:
@@ -88,9 +89,13 @@ def _starting_early(start: Callable[..., Any]) -> Callable[..., Any]:
     return _start
 
 
-def _follow_threads(scheduler: Scheduler) -> None:
+def _follow_new_threads() -> None:
     for name in ('_thread.start_new_thread', '_thread.start_new'):
         replace(name, _starting_new)
+
+
+def _follow_threads(scheduler: Scheduler) -> None:
+    _follow_new_threads()
     replace('threading.Thread.start', lambda start: _starting(scheduler, start))
     replace('threading.Thread.join', lambda join: _joining(scheduler, join))
     replace('threading.Thread.is_alive', lambda is_alive: _looking(scheduler, is_alive))
