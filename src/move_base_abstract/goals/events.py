@@ -11,12 +11,14 @@ import math
 from typing import TYPE_CHECKING, Any, Callable, Dict, NamedTuple, Sequence, Tuple, Type, TypeVar
 
 from ..engine.stream import Stream
+from ..motion.told import told
 from ..runs.trace import RowKind
 
 if TYPE_CHECKING:
     from ..motion.approach import MotionPhases
     from ..motion.geometry import Pose2D
     from ..motion.leg import MotionLimits, Tolerances
+    from ..motion.pieces import Motion
     from ..motion.recorded_range import Recorded as RecordedRange
     from ..motion.robot import Robot
     from .outcome import GoalState
@@ -92,6 +94,21 @@ class Departed(NamedTuple):
     yaw: float
     corners: Sequence[Tuple[float, float]]
     manner: Tuple[float, ...]
+
+
+@written(RowKind('pieces', '[begin [ns], x, y, yaw, ux, uy, v, a, w, k], ...',
+                 'after `departed`: the [pieces](move_base.md#pieces-of-a-motion) of the leg, the last one at rest at '
+                 'its end', True))
+class Drives(NamedTuple):
+    """The robot travels ``leg``, for whose goal it has departed."""
+
+    time_ns: int
+    robot: str
+    leg: Motion
+
+    def row(self) -> Row:
+        """Return its row, with the pieces and the rest from the arrival on."""
+        return (self.time_ns, self.robot, 'pieces', *told(self.leg))
 
 
 @written(RowKind('stands', 'x, y, yaw', 'the robot has arrived, was stopped, or was placed there'))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Callable, Optional, Sequence, Tuple, Union
 
 from ..engine.guard import guarded
 from ..motion.geometry import Pose2D
-from .events import Departed, Held, Stands, Warned, new
+from .events import Departed, Drives, Held, Stands, Warned, new
 from .outcome import NO_CONTROL, aborted
 
 if TYPE_CHECKING:
@@ -100,6 +100,8 @@ class Travel:
             return
         self._stream.tell(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw, leg.corners,
                                          leg.manner)))
+        if Drives in self._stream.hearers:
+            self._stream.tell(Drives(now_ns, robot.name, leg))
         gate = self._gate
         reason = None if gate is None else gate.departs(leg, now_ns)
         if reason is None:

@@ -37,7 +37,8 @@ class EventsTopic:
         return record
 
 
-def _message(time_ns: int, robot: str, kind: str, *values: Union[float, str]) -> Any:
+def _message(time_ns: int, robot: str, kind: str, *values: Union[float, str, Tuple[float, ...]]) -> Any:
     texts = [value for value in values if isinstance(value, str)]
-    return RobotEvent(conversions.to_time(time_ns), robot, kind, texts,
-                      [float(value) for value in values if not isinstance(value, str)])
+    return RobotEvent(conversions.to_time(time_ns), robot, kind, texts, [
+        float(number) for value in values if not isinstance(value, str)
+        for number in (value if isinstance(value, tuple) else (value,))])
