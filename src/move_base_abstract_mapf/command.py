@@ -56,7 +56,7 @@ def _parse(words: Optional[Sequence[str]]) -> Any:
     run.add_argument('plan', metavar='PLAN', help='paths, as EECBS, LaCAM or libMultiRobotPlanning writes them')
     run.add_argument('--policy', choices=('as_timed', 'order_kept', 'cell_left'), default='order_kept',
                      help='what must be true before a robot moves (default: %(default)s)')
-    run.add_argument('--goals', metavar='FILE.scen', help='check that paths end at the goals of this file')
+    run.add_argument('--goals', metavar='FILE.scen', help='check that paths lead from its starts to its goals')
     run.add_argument('--near', type=POSITIVE, default=None, metavar='M',
                      help='count robots that come nearer than this [m] (default: {} of a cell)'.format(_NEAR))
     run.add_argument('--seed', type=word_of(integer(0)), default=None, help="replaces the scenario's seed")
@@ -114,9 +114,11 @@ def _check_goals(plan: Any, path: str, blocked: Any) -> None:
         raise ConfigurationError('--goals: {} has {} problems; allowed: at least {}, one for each path'.format(
             path, len(problems), len(plan.paths)))
     for number, (one, problem) in enumerate(zip(plan.paths, problems)):
-        if one[-1] != problem.goal:
-            raise ConfigurationError('agent {}: its path ends at column {}, row {}, but its goal is column {}, row '
-                                     '{}'.format(number, *one[-1], *problem.goal))
+        for verb, cell, what, expected in (('begins', one[0], 'start', problem.start),
+                                           ('ends', one[-1], 'goal', problem.goal)):
+            if cell != expected:
+                raise ConfigurationError('agent {}: its path {} at column {}, row {}, but its {} is column {}, row '
+                                         '{}'.format(number, verb, *cell, what, *expected))
 
 
 def _tell(found: Any) -> None:

@@ -7,8 +7,9 @@ import os
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence
 
 from move_base_abstract.common.shown import pasted
+from move_base_abstract.faults import buggify
 from move_base_abstract.lockstep import replay_file
-from move_base_abstract.runs import ends
+from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.built_in import Broken
 from move_base_abstract_ros.launching.bags import digest
 from move_base_abstract_ros.launching.outputs import Files
@@ -120,7 +121,7 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
     if not (options.chaos_seed and os.path.exists(log)):
         return
     instants = [one.instant_ns for one in broken if one.instant_ns is not None]
-    made = _decisions(os.path.join(system.folder, DECISIONS), min(instants, default=None))
+    made = _decisions(os.path.join(system.folder, DECISIONS), log, min(instants, default=None))
     said = [*map(replay_file.said, made)]
     yield 'the chaos of seed {} made {} decision{}{}{}'.format(
         options.chaos_seed, len(said), 's' * (len(said) != 1), ' before that' * bool(instants),
@@ -133,12 +134,15 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
             str(item.fspath), item.nodeid.partition('::')[2])]))
 
 
-def _decisions(path: str, until_ns: Optional[int]) -> List[Dict[str, Any]]:
+def _decisions(path: str, log: str, until_ns: Optional[int]) -> List[Dict[str, Any]]:
+    """Return the decisions in the file ``path``, and the deliberate faults of robots in the log, by their instants."""
+    found = []
     with contextlib.suppress(OSError), open(path, encoding='utf-8') as stream:
-        found = [json.loads(line) for line in stream]
-        return sorted((one for one in found if until_ns is None or one['time_ns'] <= until_ns),
-                      key=lambda one: int(one['time_ns']))
-    return []
+        found += [json.loads(line) for line in stream]
+    with contextlib.suppress(event_log.EventLogError), event_log.opened(log) as read:
+        found += buggify.decisions(read.rows(buggify.GOES_WRONG))
+    return sorted((one for one in found if until_ns is None or one['time_ns'] <= until_ns),
+                  key=lambda one: int(one['time_ns']))
 
 
 def _first_line(report: Any) -> str:

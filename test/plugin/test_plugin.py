@@ -115,6 +115,11 @@ def test_late(lockstep):
     lockstep.run_for(10.0)
 
 
+@pytest.mark.lockstep(scenario='faulty.yaml', chaos_seeds=[2])
+def test_on_purpose(lockstep):
+    assert lockstep.send_goal('robot_0', 3.0, 1.0).wait() == 'SUCCEEDED'
+
+
 @pytest.mark.lockstep(nodes=['study/late.py'])
 def test_what_a_user_s_node_says_last_is_shown(lockstep):
     lockstep.run_for(10.0)
@@ -169,6 +174,7 @@ def test_without_the_fixture_nothing_is_different():
 FAILS = {
     'test_what_is_broken_fails': 'always: at 3.000000000 s, /test: no is yes (number=7)',
     'test_late[chaos_2]': 'no_exception: at 2.101057043 s, /late: KeyError in a callback of /two, late.py, line 8',
+    'test_on_purpose[chaos_2]': "assert 'ABORTED' == 'SUCCEEDED'",
     'test_what_a_user_s_node_says_last_is_shown': 'assert 11.0 < 0',
     'test_what_differs_fails': 'a second run is different:',
     'test_what_never_comes_fails': 'the impossible is not true 100 s later, at 101.000000000 s',
@@ -205,7 +211,9 @@ def results_of(folder, *words):
 def session(tmp_path_factory):
     folder = tmp_path_factory.mktemp('session')
     (folder / 'study').mkdir()
-    for name, text in (('two.yaml', SCENARIO), ('bad.launch', LAUNCH), ('test_of_a_user.py', TESTS), *NODES.items()):
+    faulty = SCENARIO + 'defaults: {buggify: {abort: 1.0}}\n'
+    for name, text in (('two.yaml', SCENARIO), ('faulty.yaml', faulty), ('bad.launch', LAUNCH),
+                       ('test_of_a_user.py', TESTS), *NODES.items()):
         (folder / name).write_text(text)
         (folder / name).chmod(0o755)
     return (*results_of(folder), folder)
@@ -239,6 +247,7 @@ def test_why_a_test_failed_is_what_nodes_raised_and_said_last_and_what_was_late(
     /says's message on /one was under way to /late for 0.130486982 s, at 2 s
     /says's message on /two was under way to /late for 0.051057043 s, at 2.05 s
 """, said), said
+    assert 'the chaos of seed 2 made 1 decision:\n    robot_0 gave its goal up, at 1.8' in said, said
     assert 'talks printed last:\n    it has begun\n' in said
     assert re.search(r'/late printed last:\n(    goes on [345678]\n){6}-', said), said
 

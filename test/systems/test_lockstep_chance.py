@@ -275,7 +275,7 @@ class SetsTest(unittest.TestCase):
         expected = [(1 + number, kinds) for number, line in enumerate(lines) for text, kinds in (
             ('for thread in threads:', 'threading.Thread'),
             ('first =', 'builtins.builtin_function_or_method, builtins.function'),
-            ('slots =', '__main__.Slot'), ('any(said', 'builtins.method')) if line.startswith(text)]
+            ('slots =', 'slots.Slot'), ('any(said', 'builtins.method')) if line.startswith(text)]
         self.assertEqual(len(expected), 4)
         self.assertEqual(list(run.state.not_repeatable_because), [
             "'/shifts': {}, line {}: goes through a set of objects that Python hashes by their address ({}): "

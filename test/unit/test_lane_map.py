@@ -71,7 +71,7 @@ def test_a_map_of_strands_is_a_list_whose_edges_have_a_top_speed_and_whose_orien
     verts: [{x: 0.7, y: 0.3}]
 - meta: {map: m, node: B, pointset: m}
   node:
-    edges: [{action: move_base, edge_id: B_A, node: A, top_vel: 0.0}]
+    edges: [{action: move_base, edge_id: B_A, node: A, top_vel: -1.0}]
     name: B
     pose: {orientation: {w: 0.0, x: 0.0, y: 0.0, z: 1.0}, position: {x: 4.0, y: 2.0, z: 0.0}}
 """)

@@ -290,12 +290,17 @@ def test_the_command_makes_a_scenario_drives_a_plan_and_tells_what_has_come_of_i
     (tmp_path / 'few.scen').write_text(''.join(problems.read_text().splitlines(True)[:4]))
     assert run(*words, '--goals', tmp_path / 'few.scen') == 2
     assert 'few.scen has 3 problems; allowed: at least 5, one for each path' in capsys.readouterr().err
+    lines = [line.split('\t') for line in problems.read_text().splitlines()]
+    lines[1][6:8] = lines[2][6:8]  # the goal of another robot
+    (tmp_path / 'moved.scen').write_text('\n'.join(map('\t'.join, lines)))
+    assert run(*words, '--goals', tmp_path / 'moved.scen') == 2
+    assert 'agent 0: its path ends at column' in capsys.readouterr().err
     assert run(*words) == 0
     assert 'sum of costs' in capsys.readouterr().out
     assert log.read_text().startswith('{"event_log":1')
     (tmp_path / 'plan.txt').write_text(written(make_plan(paths[::-1], 'plan')))
     assert run(*words) == 2
-    assert 'the path ends' in capsys.readouterr().err.replace('its path', 'the path')
+    assert 'agent 0: its path begins at column' in capsys.readouterr().err
     assert run('run', folder, tmp_path / 'plan.txt') == 2
     assert 'agent_0: the plan begins at' in capsys.readouterr().err
     assert run('import', grid, problems, '--agents', 99, '--out', folder) == 2

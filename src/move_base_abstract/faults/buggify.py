@@ -7,8 +7,9 @@ single faults.
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 from ..common.kinds import integer, number
 from ..common.parameter_table import Parameter
@@ -104,6 +105,9 @@ FAULTS = (
           'drove on without a pose or feedback for a while'),
 )
 _BY_NAME = {fault.name: fault for fault in FAULTS}
+_SAID = {fault.becomes: fault.said for fault in FAULTS}
+#: the kinds of rows of a log in which something goes wrong with a robot, also on purpose
+GOES_WRONG = ('failed', 'lapse_began')
 _SHARE, _SECONDS, _X, _Y, _YAW = 4, 5, 8, 9, 10  # the use of the other draws of a goal
 CAUSE = 'chaos '  # the beginning of the cause of such a failure; the name of the fault follows
 _LONGEST_S = 10.0  # s, simulated: the longest time of a stop, a silence, a delay, or a wrong or missing pose
@@ -236,3 +240,18 @@ class Buggifying:
         """Note that the robot is removed."""
         self._alarm.cancel()
         self._lapsing.close()
+
+
+def decisions(rows: Iterable[Any]) -> Iterator[Dict[str, Any]]:
+    """Yield a decision, in the form of chaos' own, for each TraceEntry in which a robot went wrong on purpose."""
+    for row in rows:
+        values = row.values
+        if row.kind in GOES_WRONG and len(values) >= 2 and str(values[1]).startswith(CAUSE):
+            yield {'name': values[1][len(CAUSE):], 'time_ns': row.time_ns, 'what': 'buggify',
+                   'says': f'{row.robot} {_words(values)}'}
+
+
+def _words(values: List[Any]) -> str:
+    """Return in words what went wrong with a robot, from the values of its row."""
+    said = _SAID.get(values[0], str(values[0]))
+    return said.format(math.hypot(*values[2:4]), abs(values[4])) if values[2:] else said

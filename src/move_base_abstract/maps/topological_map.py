@@ -108,7 +108,8 @@ def _edges(node: Dict[str, Any]) -> List[Dict[str, Any]]:
     edges: Dict[Any, Any] = {}
     for edge in node.get('edges') or ():
         speeds = [as_number(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
-        speeds += [as_number(edge['top_vel'])] if edge.get('top_vel') else []
+        top_vel = as_number(edge.get('top_vel') or 0.0)
+        speeds += [top_vel] if top_vel > 0.0 else []  # others mean the default of who follows the edge
         speed = {'speed': min(speeds)} if speeds else {}
         edges.setdefault(edge['node'], {'from': node['name'], 'to': edge['node'], 'one_way': True, **speed})
     return list(edges.values())

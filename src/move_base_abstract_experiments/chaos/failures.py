@@ -1,10 +1,9 @@
 """Find what is wrong with a run: one Failure, or none. To add a kind of failure, add a row to KINDS."""
 from __future__ import annotations
 
-import math
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence
 
-from move_base_abstract.faults.buggify import CAUSE, FAULTS
+from move_base_abstract.faults.buggify import GOES_WRONG
 from move_base_abstract.properties import Judgement, judge_log, statements
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
@@ -12,9 +11,6 @@ from move_base_abstract.runs.trace import TraceEntry
 
 from ..records import Result
 
-#: the kinds of events in which something goes wrong with a robot, also on purpose by buggify
-_GOES_WRONG = ('failed', 'lapse_began')
-_SAID = {fault.becomes: fault.said for fault in FAULTS}
 #: the built-in properties that fail under their own name, unless a kind before says more; kinds have the others
 PROPERTIES = tuple(name for name in BUILT_IN if name not in ('no_crash', 'no_exception', 'no_zero_delay_loop'))
 
@@ -47,24 +43,9 @@ def evidence_of(result: Result, log: Optional[bytes], properties: Sequence[str] 
     if log is not None:
         read = event_log.of_bytes(log, 'events.jsonl')
         judged = judge_log(read, (), properties,
-                           hear=lambda row: events.append(row) if row.kind in _GOES_WRONG else None)
+                           hear=lambda row: events.append(row) if row.kind in GOES_WRONG else None)
         end = read.end or {}
     return Evidence(result, events, end, judged)
-
-
-def buggified(run: Evidence) -> Iterator[Dict[str, Any]]:
-    """Yield a decision for each robot that went wrong on purpose, in the form of those of chaos_decisions."""
-    for event in run.events:
-        values = event.values
-        if len(values) >= 2 and str(values[1]).startswith(CAUSE):
-            yield {'name': values[1][len(CAUSE):], 'time_ns': event.time_ns, 'what': 'buggify',
-                   'says': f'{event.robot} {_words(values)}'}
-
-
-def _words(values: List[Any]) -> str:
-    """Return in words what went wrong with a robot, from the values of its event."""
-    said = _SAID.get(values[0], str(values[0]))
-    return said.format(math.hypot(*values[2:4]), abs(values[4])) if values[2:] else said
 
 
 def _broken_properties(run: Evidence) -> Iterator[Failure]:

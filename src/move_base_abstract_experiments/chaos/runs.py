@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.faults import buggify
 from move_base_abstract.properties import Judgement
 from move_base_abstract.runs.built_in import ALL
 
@@ -142,7 +143,7 @@ class Runs:
         if log is None and result.error and not result.crashes:
             raise ConfigurationError(result.error)
         evidence = failures.evidence_of(result, log, self._job.trial.experiment.properties or (ALL,))
-        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *failures.buggified(evidence)]
+        made = [*[json.loads(line) for line in (decisions or b'').splitlines()], *buggify.decisions(evidence.events)]
         return RunResult(chosen, failures.of_run(evidence, self._wanted),
                          sorted(made, key=lambda one: int(one['time_ns'])),
                          hashlib.sha256(log).hexdigest() if log is not None else '', judged=evidence.judged)

@@ -12,6 +12,7 @@ import threading
 import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from slots import Slot
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -19,16 +20,6 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), 'dis
 import keeper  # noqa: E402 - a library, as its folder's name says
 
 Pair = collections.namedtuple('Pair', 'left right')
-
-
-class Slot:
-    __slots__ = ('number',)
-
-    def __init__(self, number):
-        self.number = number
-
-    def go(self):
-        return self.number
 
 
 class Refusal(Exception):

@@ -3,17 +3,7 @@
 import threading
 
 import rospy
-
-
-class Slot:
-    __slots__ = ('number',)
-
-    def __init__(self, number):
-        self.number = number
-
-    def get(self):
-        return self.number
-
+from slots import Slot
 
 rospy.init_node('shifts')
 threads = {threading.Thread(target=rospy.sleep, args=(number,)) for number in range(3)}
@@ -22,7 +12,7 @@ for thread in threads:
 first = {print, len, rospy.sleep}.pop()
 slots = [slot.number for slot in {Slot(1), Slot(2)}]
 said = []
-any(said.append(bound()) for bound in {Slot(number).get for number in range(3)})
+any(said.append(bound()) for bound in {Slot(number).go for number in range(3)})
 names = sorted(thread.name for thread in threads)
 alone = [thread for thread in {threading.current_thread()}]
 numbers = [number for number in {3, 2, 1}]
