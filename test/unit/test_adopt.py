@@ -65,6 +65,8 @@ def test_robots_of_gazebo_in_groups_start_where_they_are_spawned(package):
     assert set(made.options.leave_out) >= {'/tb3_0/spawn', '/tb3_1/spawn', '/tb3_0/amcl', '/tb3_1/amcl'}
     assert made.options.param == {
         '/tb3_0/move_base/tf_prefix': 'tb3_0', '/tb3_1/move_base/tf_prefix': 'tb3_1'}
+    assert sum('/spawn (gazebo_ros/spawn_model) is left out: it puts a model into a simulator that is not there' in line
+               for line in made.done) == 2
     missing = [line for line in made.remarks if 'gazebo_ros/launch/empty_world.launch is not here' in line]
     assert len(missing) == 1 and 'two.launch:3' in missing[0]
     assert any("no TURTLEBOT3_MODEL, and 'burger' is taken" in line for line in made.remarks)
@@ -239,6 +241,13 @@ def test_what_cannot_start_here_is_left_out_and_told(package):
     assert 'it is not written for this Python (old.py, line 2' in text
     assert 'it imports of_a_stranger.msg (line 3), which is not here' in text
     assert '/cpp (of_a_stranger/not_built) is left out: this program is not installed here; build its package' in text
+
+
+def test_a_world_of_a_package_that_is_not_here_is_told_by_its_name(package):
+    line, = [line for line in adopt(package('one.launch', """<launch>
+      <node pkg="stage_ros" type="stageros" name="stage" args="$(find of_nobody)/two.world"/>
+      <node pkg="move_base" type="move_base" name="move_base"/></launch>""")).remarks if 'two.world' in line]
+    assert 'the world file cannot be read: of_nobody/two.world: No such file or directory (' in line
 
 
 def test_places_that_nobody_says_and_robots_at_one_place_are_told(package):

@@ -268,7 +268,7 @@ def test_a_floor_plan_that_cannot_be_read_is_no_map(package, pose):
     write_map(package)
     made = adopt(without_map(write_stage(package, pose)))
     assert made.options.add == {}
-    assert remarks(made, "places in Stage's world are used as places of the map")
+    assert remarks(made, "places in Stage's world count as places of the map")
 
 
 @pytest.mark.parametrize(('words', 'problem'), [

@@ -49,9 +49,9 @@ _KNOWN = {name: Kind(LEFT_OUT, why) for names, why in (
     ('rosserial_python rosserial_server kobuki_node rplidar_ros urg_node hokuyo_node sick_scan sick_tim lms1xx '
      'realsense2_camera usb_cam velodyne_driver velodyne_pointcloud ydlidar_ros hls_lfcd_lds_driver rosaria',
      _TOOLS)) for name in names.split()}
+_SPAWNER = re.compile(r'(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\.py)?')
 #: (expression for 'package/type', why such a node is left out if its package is not here); the first match counts
 _GUESSED = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
-    ('.*', '(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\\.py)?', _SPAWNS),
     ('ros_gz.*|ros_ign.*|stdr_.*|morse.*|coppeliasim.*|vrep.*', '.*', _SIMULATOR),
     ('mcl.*', '.*', _PLACE),
     ('slam_.*|karto.*|rtabmap.*|.*_slam|laser_.*|pointcloud_.*|depthimage_.*|imu_.*|scan_tools', '.*', _SENSES),
@@ -70,6 +70,8 @@ NO_PROGRAM = 'this program is not installed here'
 def kind_of(package, name):
     """Return the Kind of a node's package and type, as far as their names show."""
     known = _BY_NAME.get((package, name)) or _KNOWN.get(package)
+    if _SPAWNER.fullmatch(name) and (known is None or known.why == _SIMULATOR):
+        return Kind(LEFT_OUT, _SPAWNS, is_guess=known is None)
     if known is not None:
         return known
     for expression, why in _GUESSED:

@@ -152,7 +152,8 @@ def _of_stage(config, node):
     try:
         world = worlds.read(path)
     except (OSError, ValueError) as error:
-        return [], Stage(node, path, None, 'the world file cannot be read: {}'.format(error))
+        why = '{}: {}'.format(path, error.strerror) if isinstance(error, OSError) and error.strerror else error
+        return [], Stage(node, path, None, 'the world file cannot be read: {}'.format(why))
     by_names = '-u' in words
     offset, why = _offset(config, world)
     if offset is None and _delta(config) is not None:

@@ -100,8 +100,8 @@ class _Adoption:
         for one in getattr(self.config, 'missing', ()):
             grouped.setdefault((one.kind, one.name), []).append(one.place)
         for (kind, name), places in grouped.items():
-            where = places[0] if len(places) == 1 else '{}, and {} more places'.format(places[0], len(places) - 1)
-            self.remarks.append('{} ({})'.format(_missing(kind, name), where))
+            more = ', and {} more'.format(len(places) - 1) * (len(places) > 1)
+            self.remarks.append('{} ({}{})'.format(_missing(kind, name), places[0], more))
 
     def _nodes(self):
         """Decide for each node whether it stays. Return the replaced kinds, {old: new}, each PACKAGE/TYPE."""
@@ -278,9 +278,9 @@ class _Adoption:
         for stage in self.stages:
             place = _place(stage.node)
             if stage.offset is None and stage.world not in self.floors:
-                self.remarks.append("places in Stage's world are used as places of the map, because it is not known "
-                                    'where the map lies there: {} ({}); --start NODE=X,Y,YAW sets others'.format(
-                                        stage.why, place))
+                self.remarks.append("places in Stage's world count as places of the map, because it is not known where "
+                                    'the map lies there: {} ({}); --start NODE=X,Y,YAW sets others'.format(
+                                        _short(stage.why), place))
             elif stage.offset is not None and any(stage.offset):
                 self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
                     *stage.offset, stage.why, place))
