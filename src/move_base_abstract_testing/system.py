@@ -6,6 +6,7 @@ single thread until all of them are started.
 import contextlib
 import os
 import signal
+import time
 from typing import Any, Iterator, List
 from xml.sax.saxutils import quoteattr
 
@@ -27,6 +28,7 @@ from .settings import DEPARTURE, Settings
 
 TEST = '/test'  # the name of the test's own node
 _OVER_S = 30.0  # wall; the time master may take so long to end a run that is over
+_AGAIN_S = 0.5  # wall
 _BY_THEMSELVES_S, _AFTER_SIGNAL_S = 3.0, 1.0  # wall; how long processes may take when the run is over
 
 
@@ -82,6 +84,9 @@ class System:
         def look(*_signal: Any) -> None:
             gone = self._run.gone()
             if gone:
+                if os.fork() == 0:  # its end is the next signal, if somebody catches all exceptions and waits on
+                    time.sleep(_AGAIN_S)
+                    os._exit(0)
                 name, code, lines = gone
                 raise SimulatorError('\n'.join(['{} ended ({}) before time started; it printed last:'.format(
                     name, ends.described(code)), *lines]))

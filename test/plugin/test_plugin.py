@@ -2,14 +2,19 @@
 import importlib.util
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_testing.system import System
 
 ROOT = Path(__file__).resolve().parents[2]
 GUARD = 300.0  # s, wall; only ends a program that would never end
@@ -228,6 +233,17 @@ def test_tests_that_are_right_pass(session):
 @pytest.mark.parametrize('name', FAILS)
 def test_tests_that_are_wrong_say_why(session, name):
     assert FAILS[name] in session[0][name], session[1]
+
+
+def test_that_a_node_has_ended_is_told_again_to_who_catches_all_exceptions():
+    system = object.__new__(System)
+    system._run = SimpleNamespace(gone=lambda: ('/late', 1, ['no such file']) if told else None)
+    told = []
+    with pytest.raises(SimulatorError, match=r'/late ended \(exit code 1\) before time'), system.watched():
+        told.append(True)
+        with pytest.raises(SimulatorError):
+            signal.raise_signal(signal.SIGCHLD)
+        time.sleep(20.0)  # a guard: the signal ends it
 
 
 def test_a_broken_property_fails_the_test_and_is_no_error_after_it(session):
