@@ -5,18 +5,16 @@ The energy of a tool or of work is not in the legs. It becomes visible at the ne
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Dict, List, Optional, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.energy.consumption import GRAVITY, LegEnergy
+from move_base_abstract.energy.consumption import LegEnergy
 
 from .recording import is_number
 
 if TYPE_CHECKING:
     from move_base_abstract.energy.battery import BatterySettings
-    from move_base_abstract.motion.leg import Leg
-    from move_base_abstract.motion.pace import TimedLeg
-    from move_base_abstract.motion.route import Route
+    from move_base_abstract.motion.pieces import Motion
 
     from .world import World
 
@@ -37,17 +35,11 @@ class Charges:
         """The charge: {robot: [(time [ns], share 0..1)]} for the robots that have a battery."""
         return {name: meter.knots for name, meter in self._meters.items()}
 
-    def drive(self, name: str, leg: Union[Leg, TimedLeg, Route], end_ns: int) -> None:
-        """Take the leg (Leg or Route) that a robot has driven up to ``end_ns`` [ns]."""
+    def drive(self, name: str, leg: Motion, end_ns: int) -> None:
+        """Take the leg that a robot has driven up to ``end_ns`` [ns]."""
         meter = self._meters.get(name)
         if meter is not None:
             meter.drive(leg, end_ns)
-
-    def drive_evenly(self, name: str, end_ns: int, length: float) -> None:
-        """Take a way of ``length`` [m] that a robot has driven up to ``end_ns`` [ns], by a law that is not known."""
-        meter = self._meters.get(name)
-        if meter is not None:
-            meter.drive_evenly(length, end_ns)
 
     def take(self, time_ns: int, name: str, kind: str, text: str) -> None:
         """Take a row of the log. :meth:`drive` must have taken the legs before it."""
@@ -105,7 +97,7 @@ class _Meter:
         if not self.drives and time_ns > self.since_ns:
             self._take(self._power * ((time_ns - self.since_ns) / NS_PER_S), time_ns)
 
-    def drive(self, leg: Any, end_ns: int) -> None:
+    def drive(self, leg: Motion, end_ns: int) -> None:
         """Subtract the energy of a leg up to ``end_ns``, from its departure, or from a later row with the charge."""
         if end_ns <= leg.depart_ns:
             return
@@ -114,14 +106,6 @@ class _Meter:
         if end_ns < leg.arrive_ns:
             taken += energy.stopping(end_ns)
         self._take(taken + self._settings.ambient_power * ((end_ns - self.since_ns) / NS_PER_S), end_ns)
-
-    def drive_evenly(self, length: float, end_ns: int) -> None:
-        """Subtract about the energy of a leg of ``length`` [m] at an even speed, with one start and one stop."""
-        seconds = (end_ns - self.since_ns) / NS_PER_S
-        if seconds > 0.0:
-            mass, _, friction = self._settings.mechanics
-            self._take(mass * (friction * GRAVITY * length + (length / seconds) ** 2)
-                       + self._settings.ambient_power * seconds, end_ns)
 
     def _take(self, joules: float, time_ns: int) -> None:
         self._soc = min(1.0, max(0.0, self._soc - joules / self._settings.energy))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 _TEMPLATES = Path(__file__).with_name('templates')
-_SCRIPTS = ('motion', 'data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view',
+_SCRIPTS = ('data', 'words', 'vector', 'canvas', 'labels', 'world', 'world_view', 'robots', 'map_view',
             'timeline', 'event_list', 'player')
 _FIRST_LINE = b'<!doctype html><!-- move_base_abstract replay -->'
 _MOST_LOGS = 2

@@ -5,6 +5,8 @@ import os
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
 
 from move_base_abstract.common.shown import shown_text
+from move_base_abstract.motion.pieces import Piece
+from move_base_abstract.motion.told import told
 from move_base_abstract.runs.story import Story
 
 from .charges import Charges
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 NOBODY = 2 ** 32 - 1  # stands for a robot's number where there is no robot
-_MOTION_COLUMNS = ('x', 'y', 'yaw', 'goal_x', 'goal_y', 'goal_yaw')
 
 
 class Run:
@@ -42,7 +43,6 @@ class Run:
         """The facts about the log, in a few words each."""
         recording = self.recording
         robots = sum(timeline.is_robot for timeline in self.timelines)
-        # Motions do not count: a leg with corners consists of several motions.
         legs = sum(kind == 'departed' and name in self.motions.tracks for _, name, kind, _ in recording)
         nodes = len(self.timelines) - robots
         return [*([_count(robots, 'robot')] if robots or not nodes else []),
@@ -57,11 +57,8 @@ class Run:
         recording, motions = self.recording, self.motions
         notes = ['The run: {}.'.format(remark) for remark in recording.remarks]
         if motions.even:
-            notes.append('{} whose limits of motion the log does not say: drawn straight or along the corners, at an '
-                         'even speed (with log_motion: true robots log them).'.format(_count(motions.even, 'leg')))
-        if motions.astray:
-            notes.append('{} elsewhere than the limits in the log say: drawn straight or along the corners, at an even '
-                         'speed.'.format(_count(motions.astray, 'leg') + (' ends' if motions.astray == 1 else ' end')))
+            notes.append('{} without its motion in the log: drawn straight, at an even speed (log_motion: true '
+                         'writes it; logs of earlier releases have none).'.format(_count(motions.even, 'leg')))
         if motions.startless:
             notes.append('{} before which the log does not say where the robot stood: the robot is shown from its '
                          'arrival on.'.format(_count(motions.startless, 'leg')))
@@ -78,7 +75,9 @@ class Run:
         packer.add('event_time', 'f8', recording.times)
         packer.add('event_name', 'u4', recording.names)
         packer.add('event_kind', 'u4', recording.kinds)
-        packer.add('event_values', 'text', recording.values)
+        packer.add('event_values', 'text', (
+            '[{}]'.format(values.count('[') - 1) if recording.kind_of[kind] == 'pieces' else values
+            for kind, values in zip(recording.kinds, recording.values)))  # the map has them
         self._pack_motions(packer)
         self._pack_timelines(packer)
         self._pack_stays(packer)
@@ -86,20 +85,20 @@ class Run:
         self._pack_orders(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
-            'links': self.links, 'kinds': recording.kind_of, 'limits': self.motions.limits,
+            'links': self.links, 'kinds': recording.kind_of,
             'orders': list({phase.order: None for phase in self.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 
     def _pack_motions(self, packer: Packer) -> None:
         tracks = [self.motions.tracks[timeline.name] for timeline in self.timelines if timeline.is_robot]
-        motions = [motion for track in tracks for motion in track.motions]
-        packer.add('motion_first', 'u4', _firsts(track.motions for track in tracks))
-        packer.add('motion_begin', 'f8', (motion.begin_ns for motion in motions))
-        packer.add('motion_end', 'f8', (motion.end_ns for motion in motions))
-        packer.add('motion_law', 'u4', (motion.law for motion in motions))
-        packer.add('motion_is_last', 'u1', (motion.is_last for motion in motions))
-        for place, name in enumerate(_MOTION_COLUMNS):
-            packer.add('motion_' + name, 'f8', ((motion.start + motion.goal)[place] for motion in motions))
+        driven = [one for track in tracks for one in track.driven]
+        pieces = [told(one.motion) for one in driven]
+        packer.add('motion_first', 'u4', _firsts(track.driven for track in tracks))
+        packer.add('motion_begin', 'f8', (one.motion.depart_ns for one in driven))
+        packer.add('motion_end', 'f8', (one.end_ns for one in driven))
+        packer.add('piece_first', 'u4', _firsts(pieces))
+        for place, name in enumerate(Piece._fields):
+            packer.add('piece_' + name, 'f8', (piece[place] for own in pieces for piece in own))
 
     def _pack_timelines(self, packer: Packer) -> None:
         lines = self.timelines
@@ -173,8 +172,8 @@ def _firsts(groups: Any) -> List[int]:
 
 def _box(motions: Motions, links: Sequence[Any], world: World) -> Optional[Box]:
     """Return the Box around all robots, the world and a radio's fixed hosts, or None."""
-    places = [place for track in motions.tracks.values() for motion in track.motions
-              for place in (motion.start, motion.goal)] + world.points
+    places = [place for track in motions.tracks.values() for one in track.driven for place in one.motion.way]
+    places += world.points
     return box_of([*places, *((end['x'], end['y']) for link in links for end in link['ends'] if 'x' in end)]) \
         if places else None
 

@@ -15,9 +15,8 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.common.units import FARTHEST_M, NS_PER_S
-from move_base_abstract.motion.geometry import Pose2D, normalize_angle, quaternion_of_yaw
+from move_base_abstract.motion.geometry import Pose2D, quaternion_of_yaw
 
-from .motions import BACKWARDS, EVEN, LIMITED, make_leg
 from .recording import is_number
 
 EVENTS_TOPIC = '/event_log'  # has each event of the log as a line of JSON
@@ -44,41 +43,24 @@ def messages_of(recording: Any, motions: Any, rate: float, frame: str) -> Any:
     ``rate`` [Hz, simulated]: that of the poses of moving robots, at multiples of its period; there is also a pose where
     a leg begins and ends. ``frame``: the frame of the poses.
     """
-    poses = [_poses(track, motions.limits, rate, frame) for track in motions.tracks.values()]
+    poses = [_poses(track, rate, frame) for track in motions.tracks.values()]
     return heapq.merge(*poses, _events(recording, motions, frame), key=lambda one: one.time_ns)
 
 
-def _instants(motion: Any, period_ns: int) -> Iterator[Any]:
+def _instants(begin_ns: int, end_ns: int, period_ns: int) -> Iterator[int]:
     """Yield the instants [ns] of a motion at which there is a pose: its ends, and the grid between them."""
-    yield motion.begin_ns
-    if motion.end_ns > motion.begin_ns:
-        yield from range((motion.begin_ns // period_ns + 1) * period_ns, motion.end_ns, period_ns)
-        yield motion.end_ns
+    yield begin_ns
+    if end_ns > begin_ns:
+        yield from range((begin_ns // period_ns + 1) * period_ns, end_ns, period_ns)
+        yield end_ns
 
 
-def _poses(track: Any, limits: Any, rate: float, frame: str) -> Iterator[Any]:
+def _poses(track: Any, rate: float, frame: str) -> Iterator[Any]:
     period_ns = max(1, round(NS_PER_S / rate))
-    for motion in track.motions:
-        leg = make_leg(motion.start, motion.goal, limits[motion.law - LIMITED],
-                       motion.begin_ns) if motion.law >= LIMITED else None
-        for time_ns in _instants(motion, period_ns):
-            pose, speeds = _state_at(motion, leg, time_ns)
-            yield from _told_pose(track.name, time_ns, pose, speeds, frame)
-
-
-def _state_at(motion: Any, leg: Any, time_ns: int) -> Any:
-    """Return the pose (Pose2D) and the speeds (forward [m/s], turning [rad/s]) in a motion."""
-    if leg is not None:
-        return leg.pose_at(time_ns), (0.0, 0.0) if time_ns >= motion.end_ns else leg.velocity_at(time_ns)
-    if motion.law not in (EVEN, BACKWARDS) or time_ns >= motion.end_ns:
-        return Pose2D(*motion.goal), (0.0, 0.0)
-    start, goal, seconds = Pose2D(*motion.start), Pose2D(*motion.goal), (motion.end_ns - motion.begin_ns) / NS_PER_S
-    share, way = (time_ns - motion.begin_ns) / (motion.end_ns - motion.begin_ns), start.distance_to(goal)
-    backwards = motion.law == BACKWARDS
-    turn = 0.0 if way and not backwards else normalize_angle(goal.yaw - start.yaw)
-    pose = Pose2D(start.x + share * (goal.x - start.x), start.y + share * (goal.y - start.y),
-                  start.bearing_to(goal) if way and not backwards else start.yaw + share * turn)
-    return pose, ((-way if backwards else way) / seconds, turn / seconds)
+    for end_ns, motion in track.driven:
+        for time_ns in _instants(motion.depart_ns, end_ns, period_ns):
+            speeds = motion.velocity_at(time_ns) if time_ns < end_ns else (0.0, 0.0)
+            yield from _told_pose(track.name, time_ns, motion.pose_at(time_ns), speeds, frame)
 
 
 def _told_pose(name: str, time_ns: int, pose: Any, speeds: Any, frame: str) -> Iterator[Any]:

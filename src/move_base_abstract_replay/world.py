@@ -5,13 +5,14 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from move_base_abstract.goals.events import MotionSet
 from move_base_abstract.maps.lane_map import LaneMap
 from move_base_abstract.scenario import read_scenario
 
 from .recording import ReplayError
 
 if TYPE_CHECKING:
+    from move_base_abstract.motion.geometry import Pose2D
+
     from .recording import Recording
 
 _BESIDE = 'scenario.yaml'  # beside a log
@@ -22,10 +23,9 @@ Box = Tuple[float, float, float, float]
 
 
 class Start(NamedTuple):
-    """Where a robot stands at first (x, y, yaw), its limits as in :class:`.Motions`, its BatterySettings or None."""
+    """Where a robot stands at first, and its BatterySettings or None."""
 
-    pose: Tuple[float, float, float]
-    limits: Tuple[float, ...]
+    pose: Pose2D
     battery: Any
 
 
@@ -52,8 +52,9 @@ class World:
     @property
     def points(self) -> List[Tuple[float, float]]:
         """All points that the map must show, [(x, y)] [m]."""
-        return ([tuple(point) for thing in self.things for point in thing['points']]
-                + [tuple(node[1:]) for node in self.nodes] + [start.pose[:2] for start in self.starts.values()])
+        starts = [(start.pose.x, start.pose.y) for start in self.starts.values()]
+        return [*(tuple(point) for thing in self.things for point in thing['points']),
+                *(tuple(node[1:]) for node in self.nodes), *starts]
 
 
 def find_world(scenario: Any, recordings: Sequence[Recording]) -> World:
@@ -106,9 +107,7 @@ def make_world(scenario: Any) -> World:
         raise ReplayError('replay: got {} zones, lanes and places; allowed: at most {}'.format(
             len(world.things), _MOST_THINGS))
     for spec in scenario.robots:
-        settings = spec.settings
-        row = MotionSet(0, spec.name, settings.start, settings.limits, settings.tolerances).row()
-        world.starts[spec.name] = Start(row[3:6], row[6:], settings.battery)
+        world.starts[spec.name] = Start(spec.settings.start, spec.settings.battery)
     return world
 
 

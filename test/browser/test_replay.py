@@ -1,20 +1,37 @@
 """A replay in Chromium: the actions of a person, and that its legs are those of the simulator."""
+import json
 import math
-import random
 from pathlib import Path
 
 import pytest
 from replay_test_pages import many_legs, page, small_run
 
 from move_base_abstract.motion.geometry import Pose2D
-from move_base_abstract_replay.motions import make_leg
+from move_base_abstract.motion.pieces import Piece
 
 S = 1_000_000_000
-MAP = Path(__file__).resolve().parents[2] / 'maps' / 'farm_yard.yaml'
+ROOT = Path(__file__).resolve().parents[2]
+MAP = ROOT / 'maps' / 'farm_yard.yaml'
+TABLE = ROOT / 'test' / 'data' / 'pieces.json'
 TIME = 'return window.replay.time'
 #: script for the (x, y, yaw) of a robot of a run in the page
 POSE = ('const p = window.replay.runs[arguments[0]].poseAt(arguments[1], window.replay.time); '
         'return [p.x, p.y, p.yaw]')
+#: script that keeps the trail and the way that are drawn of a robot, as [[x, y], ...] in m and without repeated points
+DOTTED_AND_TRAIL = """
+    const robots = window.replay.maps[0].robots, {view} = robots;
+    for (const [name, draw] of [['trail', 'drawTrail'], ['way', 'drawWay']]) {
+      robots[draw] = function (context, ...given) {
+        const points = [], add = (x, y) => {
+          const {x: east, y: north, scale} = view.camera, {clientWidth: w, clientHeight: h} = view.figure;
+          const at = [Math.round(east + (x - w / 2) / scale), Math.round(north - (y - h / 2) / scale)];
+          if (`${at}` !== `${points[points.length - 1]}`) points.push(at);
+        };
+        const spy = new Proxy({}, {set: () => true, get: (_, key) => (/To$/.test(key) ? add : () => {})});
+        Object.getPrototypeOf(robots)[draw].call(this, spy, ...given);
+        window.lines[name] = points;
+      };
+    }"""
 CURRENT = "return document.querySelector('.event.current:not([hidden])').textContent"
 
 
@@ -25,42 +42,21 @@ def pages(tmp_path_factory):
     return folder, page(folder, 'small', small_run(), map_file=MAP)
 
 
-def random_legs(count):
-    """Yield (start, goal, limits, departure [ns]) for legs of all kinds: short and long, with and without limits."""
-    draw = random.Random(11)
-
-    def pose(size):
-        return draw.uniform(-size, size), draw.uniform(-size, size), draw.uniform(-math.pi, math.pi)
-
-    for number in range(count):
-        size = draw.choice([1e-9, 0.1, 5.0, 500.0])
-        start = pose(size)
-        goal = start if number % 17 == 0 else pose(size)
-        limits = (draw.uniform(0.1, 5.0), draw.choice([0.0, draw.uniform(0.05, 3.0)]),
-                  draw.choice([0.0, draw.uniform(0.1, 3.0)]), draw.choice([0.0, 0.3]), draw.choice([0.0, 0.2]))
-        yield start, goal, limits, draw.randrange(1, 10 ** 15)
-
-
-def test_legs_are_those_of_the_simulator(browser, pages):
-    legs = list(random_legs(400))
-    cores = [make_leg(*leg) for leg in legs]
-    times = [[core.depart_ns + core.duration_ns * k // 7 for k in range(-1, 9)] for core in cores]
+def test_poses_are_those_of_the_table_for_all_languages(browser, pages):
     browser.open(pages[1])
-    found = browser.run("""
-        const {makeLeg, legPose} = window.replay.motion, pose = ([x, y, yaw]) => ({x, y, yaw});
-        return arguments[0].map(([start, goal, limits, depart], k) => {
-          const leg = makeLeg(pose(start), pose(goal), limits, depart);
-          return [leg.arriveNs, arguments[1][k].map((time) => {
-            const {x, y, yaw} = legPose(leg, time);
-            return [x, y, yaw];
-          })];
-        });""", legs, times)
-    for core, instants, (arrive_ns, poses) in zip(cores, times, found):
-        assert abs(arrive_ns - core.arrive_ns) <= 1
-        for time_ns, (x, y, yaw) in zip(instants, poses):
-            expected = core.pose_at(time_ns)
-            assert (x, y) == pytest.approx((expected.x, expected.y), abs=1e-6)
-            assert abs(math.remainder(yaw - expected.yaw, 2.0 * math.pi)) < 1e-6
+    for case in json.loads(TABLE.read_text())['cases']:
+        columns = dict(zip((f'piece_{name}' for name in Piece._fields), zip(*case['pieces'])))
+        rows = [row for row in case['asked'] if row[0] < 2 ** 53]
+        found = browser.run("""
+            const run = Object.assign(Object.create(window.replay.runs[0]), arguments[0]);
+            run.piece_first = [0, run.piece_x.length];
+            return arguments[1].map(([time]) => {
+              const {x, y, yaw} = run.poseIn(run.pieceAt(0, time), time);
+              return [x, y, yaw];
+            });""", columns, rows)
+        for (x, y, yaw), expected in zip(found, rows):
+            assert (x, y) == pytest.approx(expected[1:3], abs=1e-9), case['motion']
+            assert abs(math.remainder(yaw - expected[3], 2.0 * math.pi)) < 1e-9, case['motion']
 
 
 def test_it_plays_pauses_and_goes_where_the_slider_the_events_and_the_keys_say(browser, pages):
@@ -78,6 +74,8 @@ def test_it_plays_pauses_and_goes_where_the_slider_the_events_and_the_keys_say(b
     middle = browser.run('return (window.replay.begin + window.replay.end) / 2')
     assert browser.run(TIME) == pytest.approx(middle, rel=0.02)
     browser.run('window.replay.seek(0); window.replay.seek(60e9)')
+    assert browser.run(CURRENT).endswith('drives in 6 pieces')
+    browser.press(',')
     assert '60.000' in browser.run(CURRENT) and 'departs for (4.00, 4.00) m' in browser.run(CURRENT)
     browser.press(',')
     assert browser.run(CURRENT).endswith('gets the goal robot_0-2')
@@ -114,17 +112,21 @@ def test_it_fits_a_phone_and_a_dark_room(browser, pages):
     assert wall
 
 
-def test_a_way_with_corners_is_one_leg_to_its_goal(browser, pages):
-    limits = (0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 0.0)
-    entries = [(S, 'r', 'motion', limits), (S, 'r', 'departed', (8.0, 6.0, 0.0)),
-               (S, 'r', 'route', (8.0, 0.0)), (9 * S, 'r', 'departed', (0.0, 0.0, 0.0))]
+def test_the_way_of_a_leg_has_its_corners_and_its_trail_ends_where_it_was_cut_short(browser, pages):
+    pieces = [[S, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0], [9 * S, 8.0, 0.0, 1.5, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+              [15 * S, 8.0, 6.0, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
+    entries = [(S, 'r', 'departed', (8.0, 6.0, 0.0)), (S, 'r', 'pieces', pieces),
+               (11 * S, 'r', 'stands', (8.0, 2.0, 1.5)),
+               (12 * S, 'r', 'departed', (0.0, 2.0, 0.0)), (20 * S, 'r', 'stands', (0.0, 2.0, 3.14))]
     browser.open(page(pages[0], 'corners', entries))
-    motion, first, last, count = browser.run(
-        'const r = window.replay.runs[0], m = r.motionAt(0, 2e9); '
-        'return [m, r.firstOf(0, r.lastOf(m), 1), r.lastOf(m), r.motion_begin.length]')
-    assert first <= 1 < motion + 1 < last == count - 2  # the last departure comes after it
-    browser.run('window.replay.seek(4e9)')
-    browser.frame()
+    browser.run(DOTTED_AND_TRAIL)
+    drawn = {}
+    for seconds in (4, 14):
+        browser.run('window.lines = {}; window.replay.seek(arguments[0] * 1e9)', seconds)
+        browser.wait('return window.lines.trail')
+        drawn[seconds] = browser.run('return window.lines')
+    assert drawn[4] == {'trail': [[0, 0], [3, 0]], 'way': [[3, 0], [8, 0], [8, 6]]}
+    assert drawn[14] == {'trail': [[0, 0], [8, 0], [8, 2], [6, 2]], 'way': [[6, 2], [0, 2]]}
 
 
 def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):
@@ -166,6 +168,7 @@ def test_two_runs_stand_side_by_side_and_a_button_shows_the_first_difference(bro
     assert browser.run(TIME) == 60 * S
     assert 'departs for (4.00, 4.00) m' in browser.run(CURRENT)
     browser.click('[data-list="1"]')
+    browser.press(',')
     assert 'departs for (30.00, 4.00) m' in browser.run(CURRENT)
     browser.run('window.replay.seek(window.replay.end)')
     assert [browser.run(POSE, run, 0)[:2] for run in (0, 1)] == [pytest.approx((4.0, 4.0)), pytest.approx((30.0, 4.0))]

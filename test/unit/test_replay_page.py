@@ -17,7 +17,8 @@ from test_replay_recording import S, log_text
 
 ROOT = Path(__file__).resolve().parents[2]
 MAP = ROOT / 'maps' / 'farm_yard.yaml'
-LEG = [(S, 'r', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)), (S, 'r', 'departed', (4.0, 0.0, 0.0)),
+PIECES = [S, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0], [5 * S, 4.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+LEG = [(S, 'r', 'departed', (4.0, 0.0, 0.0)), (S, 'r', 'pieces', PIECES),
        (5 * S, 'r', 'stands', (4.0, 0.0, 0.0)), (5 * S, 'r', 'ended', ('g', 'SUCCEEDED', 'Goal reached.'))]
 
 
@@ -67,10 +68,14 @@ def test_the_page_holds_the_log_and_loads_nothing(log, tmp_path):
     assert not re.search(r'(?:https?:)?//[\w.]+\.\w+/|\bsrc=|@import|url\(', text)
 
 
-def test_a_leg_with_corners_is_one_leg(log, tmp_path):
-    corners = [*LEG[:2], (S, 'r', 'route', (2.0, 0.0, 2.0, 0.0)), *LEG[2:]]
-    write_page([log('run.jsonl', corners)], tmp_path / 'p.html')
-    assert '<li>1 leg</li><li>5 events</li>' in (tmp_path / 'p.html').read_text()
+def test_a_leg_of_an_older_log_is_drawn_evenly_and_a_note_says_so(log, tmp_path):
+    for name, entries, noted in (('new', LEG, False), ('old', [LEG[0], *LEG[2:]], True)):
+        write_page([log(name, [(S, 'r', 'stands', (0.0, 0.0, 0.0)), *entries])], tmp_path / (name + '.html'))
+        text = (tmp_path / (name + '.html')).read_text()
+        assert '<li>1 leg</li>' in text
+        assert ('<li>1 leg without its motion in the log: drawn straight, at an even speed' in text) == noted
+    about, columns = unpacked(re.search(r'data-run>([^<]+)<', (tmp_path / 'new.html').read_text()).group(1))
+    assert columns['event_values'].decode().split('\n')[2] == '[2]'  # the map has the pieces
 
 
 def test_equal_logs_give_equal_pages(log, tmp_path):

@@ -13,7 +13,7 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.runs.event_log import EventLogError
 from move_base_abstract.runs.states import NAMES
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract_replay.motions import BACKWARDS, EVEN, LIMITED, PLACED, Motions, make_leg
+from move_base_abstract_replay.motions import Motions
 from move_base_abstract_replay.page_data import story_of
 from move_base_abstract_replay.recording import ReplayError, read_recording
 from move_base_abstract_replay.timelines import find_timelines
@@ -46,64 +46,50 @@ def make_fleet(**settings):
     return Fleet(make_scenario({'robots': [dict(GONE, name='r_0', start_x=1.0, **settings), dict(GONE, name='r_1')]}))
 
 
+def pose_drawn(motions, name, time_ns):
+    """Return the pose that the page draws of a robot."""
+    end_ns, motion = [one for one in motions.tracks[name].driven if one.motion.depart_ns <= time_ns][-1]
+    return motion.pose_at(min(time_ns, end_ns))
+
+
+def follow(fleet, read, seconds):
+    """Let a fleet run; return the Motions of its log, of which all poses of the first robot are those of the fleet."""
+    poses = {}
+    for k in range(4 * seconds):
+        fleet.at(S + k * S // 4 + 1, lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
+    fleet.run(until=seconds + 1.0)
+    motions = Motions(read(fleet.trace))
+    assert (motions.even, motions.startless) == (0, 0)
+    for time_ns, pose in poses.items():
+        if time_ns <= fleet.trace[-1].time_ns:
+            assert pose_drawn(motions, 'r_0', time_ns) == pose
+    return motions
+
+
 def test_a_fleet_that_says_its_motion_is_followed_exactly_at_every_instant(read):
     fleet = make_fleet(xy_goal_tolerance=0.25, yaw_goal_tolerance=0.1)
     fleet.robot('r_0').send(8.0, 3.0, 1.0)
     fleet.at(3 * S, lambda fleet: fleet.robot('r_0').send(-4.0, 2.0, -3.0))  # before the first is reached
     fleet.at(40 * S, lambda fleet: fleet.robot('r_0').place(Pose2D(0.5, 0.5, 0.5)))
     fleet.at(41 * S, lambda fleet: fleet.robot('r_0').send(5.0, 0.0))
-    poses = {}
-    for k in range(1, 240):
-        time_ns = k * S // 4 + 1
-        fleet.at(max(time_ns, S), lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
-    fleet.run()
-    motions = Motions(read(fleet.trace))
-    track = motions.tracks['r_0'].motions
-    assert [motion.law for motion in track] == [PLACED, LIMITED, LIMITED, PLACED, LIMITED]
-    assert (motions.even, motions.astray, motions.startless) == (0, 0, 0)
-    for time_ns, pose in poses.items():
-        motion = [motion for motion in track if motion.begin_ns <= time_ns][-1]
-        until = min(time_ns, motion.end_ns)
-        found = (Pose2D(*motion.start) if motion.law == PLACED else make_leg(
-            motion.start, motion.goal, motions.limits[motion.law - LIMITED], motion.begin_ns).pose_at(until))
-        assert (found.x, found.y, found.yaw) == pytest.approx((pose.x, pose.y, pose.yaw), abs=1e-9)
+    fleet.at(43 * S, lambda fleet: fleet.robot('r_0').place(Pose2D(0.5, 0.5, 0.5)))  # on the way
+    motions = follow(fleet, read, 60)
+    assert [len(one.motion.pieces) > 0 for one in motions.tracks['r_0'].driven] == [
+        False, True, True, False, True, False, True]
 
 
 @pytest.mark.parametrize('corners', ['keep', 'stop'])
-def test_a_way_with_corners_is_followed_piece_by_piece(read, corners):
+def test_a_way_with_corners_is_followed_also_where_it_is_cut_short(read, corners):
     cells = np.zeros((12, 12), np.int8)
     cells[2:, 5] = 100
     scenario = make_scenario({'robots': [dict(GONE, name='r_0', start_x=2.5, start_y=5.5, use_map=True, routes='grid',
                                               robot_radius=0.0, corners=corners)]})
     fleet = Fleet(scenario, occupancy=OccupancyMap(cells, 1.0))
-    poses = {}
     fleet.at(S, lambda fleet: fleet.robot('r_0').send(8.5, 5.5, 1.0))
     fleet.at(40 * S, lambda fleet: fleet.robot('r_0').send(2.5, 5.5, 1.0))
     fleet.at(43 * S, lambda fleet: fleet.robot('r_0').cancel())  # on the way
-    for k in range(1, 180):
-        fleet.at(k * S // 4 + S, lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
-    fleet.run()
-    assert sum(entry.kind == 'route' for entry in fleet.trace) == 2
-    motions = Motions(read(fleet.trace))
-    track = motions.tracks['r_0'].motions
-    assert (motions.even, motions.astray, {motion.law for motion in track}) == (0, 0, {PLACED, EVEN})
-    for time_ns, pose in poses.items():
-        motion = [motion for motion in track if motion.begin_ns <= time_ns][-1]
-        share = min(1.0, (time_ns - motion.begin_ns) / max(1, motion.end_ns - motion.begin_ns))
-        place = [one + share * (other - one) for one, other in zip(motion.start[:2], motion.goal[:2])]
-        assert place == pytest.approx([pose.x, pose.y], abs=0.02)
-
-
-def sampled(motions, name, time_ns):
-    """Return the pose that the page draws of a robot in even pieces, and by which law."""
-    motion = [motion for motion in motions.tracks[name].motions if motion.begin_ns <= time_ns][-1]
-    share = min(1.0, (time_ns - motion.begin_ns) / max(1, motion.end_ns - motion.begin_ns))
-    x, y = (one + share * (other - one) for one, other in zip(motion.start[:2], motion.goal[:2]))
-    turn = math.remainder(motion.goal[2] - motion.start[2], 2.0 * math.pi)
-    heads_on = motion.law == EVEN and motion.start[:2] != motion.goal[:2]
-    yaw = math.atan2(motion.goal[1] - motion.start[1], motion.goal[0] - motion.start[0]) if heads_on else (
-        motion.start[2] + share * turn)
-    return x, y, yaw, motion.law
+    driven = follow(fleet, read, 45).tracks['r_0'].driven
+    assert driven[-1].end_ns < driven[-1].motion.arrive_ns
 
 
 def of_tail(law):
@@ -114,61 +100,16 @@ def of_tail(law):
 
 
 @pytest.mark.parametrize('law', ['backwards', 'spins'])
-@pytest.mark.parametrize('corners', ['keep', 'stop'])
-def test_a_calibrated_robot_is_followed_while_it_spins_and_drives_backwards(read, tmp_path, law, corners):
+def test_a_calibrated_robot_is_followed_while_it_spins_and_drives_backwards(read, tmp_path, law):
     path = tmp_path / 'tail.yaml'
     path.write_text(json.dumps(of_tail(law)))
-    poses, places = {}, ((0.0, 0.0, 1.0), (9.0, 3.0, -2.0), (4.0, -6.0, 3.0))
-    fleet = Fleet(make_scenario({'robots': [{'name': 'r_0', 'calibration': str(path), 'log_motion': True, 'seed': 5,
-                                             'corners': corners}]}),
-                  on_end=lambda *_: fleet.robot('r_0').send(*places[len(poses) % 3]))
+    places = ((0.0, 0.0, 1.0), (9.0, 3.0, -2.0), (4.0, -6.0, 3.0))
+    fleet = Fleet(make_scenario({'robots': [{'name': 'r_0', 'calibration': str(path), 'log_motion': True, 'seed': 5}]}),
+                  on_end=lambda *_: fleet.robot('r_0').send(*places[fleet.now_ns % 3]))
     fleet.robot('r_0').send(*places[1])
-    for number in range(600):
-        fleet.at(S + number * S // 2 + 1, lambda fleet: poses.update({fleet.now_ns: fleet.robot('r_0').pose}))
-    fleet.run(until=301.0)
-    motions = Motions(read(fleet.trace))
-    assert (motions.even, motions.astray, motions.startless) == (0, 0, 0)
-    laws = set()
-    log_end_ns = fleet.trace[-1].time_ns
-    for time_ns, pose in ((one, pose) for one, pose in poses.items() if one <= log_end_ns):
-        x, y, yaw, drawn_by = sampled(motions, 'r_0', time_ns)
-        laws.add(drawn_by)
-        assert (x, y) == pytest.approx((pose.x, pose.y), abs=0.05)
-        assert math.remainder(yaw - pose.yaw, 2.0 * math.pi) == pytest.approx(0.0, abs=0.1)
-    assert (BACKWARDS in laws) == (law == 'backwards')
-    spins = [json.loads(values)[4] for _, _, kind, values in read(fleet.trace) if kind == 'manner']
-    assert spins and (max(spins) > 3.0) == (law == 'spins')
-
-
-@pytest.mark.parametrize('manner', [(0.0, 1e9, 1.0, 0.0, 0.0, 0.0), (-1.0, 1e9, 1.0, 1.0, 0.0, 0.0),
-                                    (0.0, 1e9, 1.0, 1.0, 1e300, 1e300), (0.0, 1e18, 1e17, 1e-9, 1e17, 1e17)])
-def test_a_manner_that_nobody_can_have_draws_the_leg_anyhow(read, manner):
-    phases = (S, 'a', 'phases', (0.08, 0.2, 0.5, 0.08, 1.2, 1.3, 0.2, 1.8))
-    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.6, 0.0, 0.0, 0.0)), phases,
-                            (2 * S, 'a', 'departed', (4.0, 0.0, 0.0)), (2 * S, 'a', 'manner', manner),
-                            (9 * S, 'a', 'stands', (3.0, 1.0, 0.0))]))
-    assert motions.astray == 1 and motions.tracks['a'].motions[-1].goal == (3.0, 1.0, 0.0)
-
-
-def test_a_way_with_corners_that_ends_elsewhere_is_straight_and_even(read):
-    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)),
-                            (2 * S, 'a', 'departed', (4.0, 0.0, 0.0)), (2 * S, 'a', 'route', (0.0, 3.0)),
-                            (3 * S, 'a', 'stands', (7.0, 7.0, 0.0))]))
-    assert motions.astray == 1
-    assert motions.tracks['a'].motions[-1][:5] == (2 * S, 3 * S, EVEN, (0.0, 0.0, 0.0), (7.0, 7.0, 0.0))
-
-
-@pytest.mark.parametrize('limits', [[], [(S, 'a', 'motion', (0.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0, 0.0))]])
-def test_a_way_whose_law_is_not_known_is_followed_evenly_up_to_where_it_ended(read, limits):
-    def drawn(*end):
-        motions = Motions(read([(S, 'a', 'stands', (0.0, 0.0, 0.0)), *limits, (2 * S, 'a', 'departed', (3.0, 4.0, 1.0)),
-                                (2 * S, 'a', 'route', (0.0, 4.0)), (9 * S, 'a', 'stands', end)]))
-        assert motions.even + motions.astray == 1
-        return [motion[:5] for motion in motions.tracks['a'].motions if motion.law == EVEN]
-    up, east = math.pi / 2.0, 0.0
-    assert drawn(3.0, 4.0, 1.0) == [(2 * S, 6 * S, EVEN, (0.0, 0.0, up), (0.0, 4.0, up)),
-                                    (6 * S, 9 * S, EVEN, (0.0, 4.0, east), (3.0, 4.0, 1.0))]
-    assert drawn(0.0, 2.0, up) == [(2 * S, 9 * S, EVEN, (0.0, 0.0, 0.0), (0.0, 2.0, up))]
+    pieces = [piece for one in follow(fleet, read, 300).tracks['r_0'].driven for piece in one.motion.pieces]
+    assert any(piece.v < 0.0 for piece in pieces) == (law == 'backwards')
+    assert any(piece.k for piece in pieces)
 
 
 def test_nothing_is_said_of_motion_unless_it_is_asked_for():
@@ -176,38 +117,31 @@ def test_nothing_is_said_of_motion_unless_it_is_asked_for():
     assert [entry.robot for entry in fleet.trace if entry.kind == 'motion'] == ['told']
 
 
-def test_limits_that_are_set_on_the_way_count_from_the_next_leg_on_and_move_no_robot(read):
-    slow, fast = (1.0, 0.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0, 0.0)
-    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, *slow)), (S, 'a', 'departed', (4.0, 0.0, 0.0)),
-                            (2 * S, 'a', 'motion', (1.0, 0.0, 0.0, *fast)), (5 * S, 'a', 'stands', (4.0, 0.0, 0.0)),
-                            (5 * S, 'a', 'departed', (0.0, 0.0, 0.0)), (7 * S, 'a', 'stands', (0.0, 0.0, 0.0))]))
-    legs = [(motion.begin_ns // S, motion.law, motion.start[0]) for motion in motions.tracks['a'].motions]
-    assert legs == [(1, PLACED, 0.0), (1, LIMITED, 0.0), (5, LIMITED + 1, 4.0)]
-    assert (motions.limits, motions.astray) == ([slow, fast], 0)
-
-
-def test_without_limits_a_leg_is_straight_and_even_and_the_first_one_has_no_beginning(read):
+def test_without_pieces_a_leg_is_straight_and_even_and_the_first_one_has_no_beginning(read):
     motions = Motions(read([(S, 'a', 'departed', (4.0, 0.0, 0.0)), (3 * S, 'a', 'stands', (4.0, 0.0, 0.0)),
-                            (5 * S, 'a', 'departed', (9.0, 9.0, 0.0)), (6 * S, 'a', 'stands', (5.0, 1.0, 0.5)),
-                            (7 * S, 'a', 'departed', (1.0, 1.0, 0.0))]))
-    assert [motion[:5] for motion in motions.tracks['a'].motions] == [
-        (3 * S, 3 * S, PLACED, (4.0, 0.0, 0.0), (4.0, 0.0, 0.0)),
-        (5 * S, 6 * S, EVEN, (4.0, 0.0, 0.0), (5.0, 1.0, 0.5))]
-    assert (motions.startless, motions.even) == (1, 2)
-
-
-def test_a_leg_that_ends_elsewhere_than_its_limits_say_is_drawn_as_the_log_says(read):
-    motions = Motions(read([(S, 'a', 'motion', (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)),
-                            (S, 'a', 'departed', (4.0, 0.0, 0.0)), (3 * S, 'a', 'stands', (4.0, 0.0, 0.0))]))
-    assert (motions.tracks['a'].motions[-1].law, motions.astray) == (EVEN, 1)
+                            (3 * S, 'a', 'motion', (9.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)),  # it was put there
+                            (5 * S, 'a', 'departed', (9.0, 9.0, 0.0)), (6 * S, 'a', 'stands', (8.0, 0.0, 0.5)),
+                            (7 * S, 'a', 'departed', (1.0, 1.0, 0.0)), (9 * S, 'a', 'stands', (8.0, 0.0, 1.5)),
+                            (9 * S, 'a', 'departed', (1.0, 1.0, 0.0))]))
+    assert (motions.startless, motions.even) == (1, 4)
+    assert [(one.motion.depart_ns // S, one.end_ns // S) for one in motions.tracks['a'].driven] == [
+        (3, 3), (3, 3), (5, 6), (7, 9)]
+    half = pose_drawn(motions, 'a', 5 * S + S // 2)
+    assert (half.x, half.y, half.yaw) == pytest.approx((8.5, 0.0, math.pi))
+    assert pose_drawn(motions, 'a', 6 * S) == Pose2D(8.0, 0.0, 0.5)
+    assert pose_drawn(motions, 'a', 8 * S) == Pose2D(8.0, 0.0, 1.0)
 
 
 @pytest.mark.parametrize('values', [(), ('a', 1.0, 2.0), (1e400, 0.0, 0.0), (True, 0.0, 0.0), (0.0, 0.0),
-                                    (10 ** 400, 0, 0)])
+                                    (10 ** 400, 0, 0), ([2 * S, *[0.0] * 8],)])
 def test_lines_of_others_under_the_same_names_are_events_and_nothing_else(read, values):
-    recording = read([(S, 'a', 'departed', values), (S, 'a', 'stands', values), (S, 'a', 'motion', values)])
-    assert len(recording) == 3
+    rows = [(2 * S, 'a', kind, values) for kind in ('departed', 'stands', 'motion', 'pieces')]
+    recording = read(rows)
+    assert len(recording) == 4
     assert Motions(recording).tracks == {}
+    leg = [(2 * S, 'a', 'stands', (0.0, 0.0, 0.0)), (2 * S, 'a', 'departed', (4.0, 0.0, 0.0)), rows[-1],
+           (4 * S, 'a', 'stands', (4.0, 0.0, 0.0))]
+    assert pose_drawn(Motions(read(leg)), 'a', 3 * S) == Pose2D(2.0, 0.0)
 
 
 def lines_of(recording, robots):

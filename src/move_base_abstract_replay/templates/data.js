@@ -1,6 +1,6 @@
 // The data that page_data.py has packed, and functions that look things up in it. They use binary search, so that none
 // walks through a whole run.
-const PLACED = 0, EVEN = 1, BACKWARDS = 2, LIMITED = 3;
+const NS_PER_S = 1e9;
 
 // Return {about, columns} from a text that packed.py has made.
 async function unpack(text) {
@@ -40,15 +40,19 @@ class Run {
     this.hosts = [...new Map(fixed.map((host) => [host.name, host])).values()]; // of the radio
     this.robots = about.rows.filter((row) => row.robot).length;
     this.events = this.event_time.length;
-    this.legs = new Array(this.robots); // a cache: the latest leg of each robot
   }
 
-  start(motion) {
-    return {x: this.motion_x[motion], y: this.motion_y[motion], yaw: this.motion_yaw[motion]};
+  // The pose in a piece at a time: the formula of move_base_abstract/motion/pieces.py. A test holds both to one table.
+  poseIn(piece, time) {
+    const of = (name) => this[`piece_${name}`][piece];
+    const e = (time - of('begin_ns')) / NS_PER_S, k = of('k'), g = k === 0 ? e : (1 - Math.exp(-k * e)) / k;
+    const s = of('v') * g + 0.5 * of('a') * e * e, yaw = of('yaw') + of('w') * g;
+    return {x: of('x') + s * of('ux'), y: of('y') + s * of('uy'), yaw: Math.atan2(Math.sin(yaw), Math.cos(yaw))};
   }
 
-  goal(motion) {
-    return {x: this.motion_goal_x[motion], y: this.motion_goal_y[motion], yaw: this.motion_goal_yaw[motion]};
+  // The present piece of a motion at a time.
+  pieceAt(motion, time) {
+    return upperBound(this.piece_begin_ns, time, this.piece_first[motion] + 1, this.piece_first[motion + 1]) - 1;
   }
 
   // The present motion of a robot, or its last one; -1 before the log says where the robot is.
@@ -58,44 +62,12 @@ class Run {
     return found < first ? -1 : found;
   }
 
-  // The first of the motions of the latest `legs` legs up to a motion, and the last one of that motion's leg.
-  firstOf(robot, motion, legs) {
-    let first = motion;
-    while (first > this.motion_first[robot] && legs > 0) {
-      first -= 1;
-      if (this.motion_is_last[first]) legs -= 1;
-    }
-    return first;
-  }
-
-  lastOf(motion) {
-    let last = motion;
-    while (!this.motion_is_last[last]) last += 1;
-    return last;
-  }
-
-  legOf(robot, motion) {
-    const cached = this.legs[robot];
-    if (cached && cached.motion === motion) return cached.leg;
-    const limits = this.limits[this.motion_law[motion] - LIMITED];
-    const leg = makeLeg(this.start(motion), this.goal(motion), limits, this.motion_begin[motion]);
-    this.legs[robot] = {motion, leg};
-    return leg;
-  }
-
-  // {x, y, yaw, motion, speed} of a robot, or null before the log says where it is.
+  // {x, y, yaw, motion, piece} of a robot, or null before the log says where it is.
   poseAt(robot, time) {
     const motion = this.motionAt(robot, time);
     if (motion < 0) return null;
-    const law = this.motion_law[motion], until = Math.min(time, this.motion_end[motion]);
-    if (law === PLACED) return {...this.start(motion), motion};
-    if (law === EVEN || law === BACKWARDS) {
-      const [begin, end] = [this.motion_begin[motion], this.motion_end[motion]];
-      if (time >= end) return {...this.goal(motion), motion};
-      const turns = law === BACKWARDS;
-      return {...evenPose(this.start(motion), this.goal(motion), begin, end, until, turns), motion};
-    }
-    return {...legPose(this.legOf(robot, motion), until), motion};
+    const until = Math.min(time, this.motion_end[motion]), piece = this.pieceAt(motion, until);
+    return {...this.poseIn(piece, until), motion, piece};
   }
 
   // The links that are up, each as its two ends {x, y}; links with an end that is not known are left out.
@@ -109,7 +81,7 @@ class Run {
   }
 
   isUnderWay(motion, time) {
-    return this.motion_law[motion] !== PLACED && time < this.motion_end[motion];
+    return time < this.motion_end[motion];
   }
 
   // The place of a row's state among STATES; without a span the robot is idle.

@@ -32,7 +32,7 @@ class Player {
   // The time in the page's address, such as #t=12.5 [s]
   ofAddress() {
     const found = /^#t=([0-9.]+)$/.exec(window.location.hash);
-    return found && Number.isFinite(+found[1]) ? secondsToNs(+found[1]) : this.begin;
+    return found && Number.isFinite(+found[1]) ? Math.round(+found[1] * NS_PER_S) : this.begin;
   }
 
   offerSpeeds() {
@@ -204,7 +204,6 @@ async function open() {
   const world = new World(await unpack(document.getElementById('packed-world').textContent));
   for (const element of document.querySelectorAll('script[data-run], #packed-map, #packed-world')) element.remove();
   window.replay = new Player(runs, ground, world, about);
-  window.replay.motion = {makeLeg, legPose};
   document.body.classList.add('ready');
 }
 

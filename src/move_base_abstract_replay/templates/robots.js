@@ -33,17 +33,18 @@ class RobotView {
   drawTrail(context, robot, pose) {
     const {run, view} = this, {motion} = pose, isChosen = this.isChosen(robot);
     if (!this.player.showsTrails && !isChosen) return;
-    const first = run.firstOf(robot, motion, isChosen ? TRAIL_LEGS : this.trail);
+    const legs = isChosen ? TRAIL_LEGS : this.trail, first = Math.max(run.motion_first[robot], motion - legs);
     context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
     context.lineWidth = isChosen ? 3 : Math.min(2, 0.3 * this.size);
     context.lineJoin = 'round';
     context.globalAlpha = isChosen ? 0.8 : run.isUnderWay(motion, this.player.time) ? 0.55 : 0.3;
     context.beginPath();
-    context.moveTo(view.toX(run.motion_x[first]), view.toY(run.motion_y[first]));
-    for (let k = first + 1; k <= motion; k += 1) {
-      const [x, y] = [view.toX(run.motion_x[k]), view.toY(run.motion_y[k])];
-      if (run.motion_law[k] === PLACED) context.moveTo(x, y);
-      else context.lineTo(x, y);
+    for (let m = first; m <= motion; m += 1) {
+      const begin = run.piece_first[m], end = m === motion ? pose.piece : run.pieceAt(m, run.motion_end[m]);
+      for (let k = begin; k <= end; k += 1) {
+        const isPlaced = k === begin && (m === first || run.piece_first[m + 1] === begin + 1);
+        context[isPlaced ? 'moveTo' : 'lineTo'](view.toX(run.piece_x[k]), view.toY(run.piece_y[k]));
+      }
     }
     context.lineTo(view.toX(pose.x), view.toY(pose.y));
     context.stroke();
@@ -53,16 +54,14 @@ class RobotView {
   drawWay(context, robot, pose) {
     const {run, view} = this, {motion} = pose, isChosen = this.isChosen(robot);
     if (!run.isUnderWay(motion, this.player.time) || (run.robots > MANY_ROBOTS && !isChosen)) return;
-    const last = run.lastOf(motion), [x, y] = [view.toX(run.motion_goal_x[last]), view.toY(run.motion_goal_y[last])];
+    const last = run.piece_first[motion + 1] - 1, [x, y] = [view.toX(run.piece_x[last]), view.toY(run.piece_y[last])];
     context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
     context.lineWidth = isChosen ? 2 : 1.25;
     context.globalAlpha = isChosen || run.robots <= FEW_ROBOTS ? 0.85 : 0.5;
     context.setLineDash([3, 4]);
     context.beginPath();
     context.moveTo(view.toX(pose.x), view.toY(pose.y));
-    for (let k = motion; k <= last; k += 1) {
-      context.lineTo(view.toX(run.motion_goal_x[k]), view.toY(run.motion_goal_y[k]));
-    }
+    for (let k = pose.piece + 1; k <= last; k += 1) context.lineTo(view.toX(run.piece_x[k]), view.toY(run.piece_y[k]));
     context.stroke();
     context.setLineDash([]);
     context.beginPath();

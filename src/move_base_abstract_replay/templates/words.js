@@ -34,22 +34,13 @@ function messageText(kind, values) {
   return `${kind === 'message' ? '' : `${kind} `}${values[0] || 'nobody'} → ${receivers.join(', ') || 'nobody'}, ${grouped(String(bytes))} bytes`;
 }
 
-// The manner of a leg, besides its law of motion, in words; see `manner` in move_base_abstract/runs/trace.py.
-function mannerText([rest, travel, backwards, , spin]) {
-  return [...(backwards ? [`drives the first ${metres(backwards)} m backwards`] : []),
-          ...(spin ? [`spins for ${metres(spin)} s before its last turn`] : []),
-          `travels for ${seconds(travel)} s` + (rest ? ` after ${seconds(rest)} s at rest` : '')].join(', ');
-}
-
 const EVENT_TEXTS = {
   goal: (v) => `gets the goal ${v[0]}`,
   departed: (v) => `departs for ${place(...v)}`,
-  route: (v) => `goes by ${v.length / 2} corner${v.length === 2 ? '' : 's'}`,
+  pieces: (v) => `drives in ${v[0]} pieces`,
   stands: (v) => `stands at ${place(...v)}`,
   ended: (v) => `goal ${v[1]}${v[2] ? ` · ${v[2]}` : ''} · ${v[0]}`,
   motion: (v) => `is at ${place(v[0], v[1], v[2])}; at most ${v[3]} m/s`,
-  phases: () => 'moves as its calibration says',
-  manner: (v) => mannerText(v),
   task_began: (v) => `task begins, ${seconds(v[1])} s · ${v[0]}`,
   task_ended: (v) => `task ${v[1]} · ${v[0]}`,
   message: (v) => messageText('message', v),
