@@ -6,7 +6,6 @@ other legs only the ends are known, so they are drawn straight, at an even speed
 from __future__ import annotations
 
 import json
-import math
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional
 
 from move_base_abstract.common.units import FARTHEST_M, NS_PER_S
