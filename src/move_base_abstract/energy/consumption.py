@@ -9,7 +9,12 @@ two values. A speed that is reached in no time costs as much as one that is reac
 from __future__ import annotations
 
 from bisect import bisect_right
-from typing import Any, NamedTuple, Tuple
+from typing import TYPE_CHECKING, NamedTuple, Tuple
+
+from ..motion.pieces import velocity_of
+
+if TYPE_CHECKING:
+    from ..motion.pieces import Motion
 
 GRAVITY = 9.81  # m/s^2, as in rmf_battery
 
@@ -25,17 +30,17 @@ class Mechanics(NamedTuple):
 class LegEnergy:
     """The energy that a leg of any kind takes."""
 
-    def __init__(self, leg: Any, mechanics: Mechanics) -> None:
+    def __init__(self, leg: Motion, mechanics: Mechanics) -> None:
         self._leg = leg
         self._half_mass, self._half_moment = 0.5 * mechanics.mass, 0.5 * mechanics.moment_of_inertia
         self._instants = [piece.begin_ns for piece in leg.pieces]
         self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
         energy, before = 0.0, (0.0, 0.0)
         for piece, end_ns in leg.spans():
-            at_begin = self._kinetic(piece.begin_ns)
+            at_begin = self._kinetic(piece.v, piece.w)
             energy += _change(before, at_begin)
             self._begins.append((energy, at_begin))
-            before = self._kinetic(end_ns - 1)
+            before = self._kinetic(*velocity_of(piece, end_ns - 1))
             energy += _change(at_begin, before)
         self._whole = energy + _change(before, (0.0, 0.0))
         self._friction = mechanics.friction_coefficient * mechanics.mass * GRAVITY
@@ -46,14 +51,13 @@ class LegEnergy:
         if now_ns >= self._leg.arrive_ns:
             return self._whole + friction
         energy, at_begin = self._begins[bisect_right(self._instants, now_ns) - 1]
-        return energy + _change(at_begin, self._kinetic(now_ns)) + friction
+        return energy + _change(at_begin, self._kinetic(*self._leg.velocity_at(now_ns))) + friction
 
     def stopping(self, now_ns: int) -> float:
         """Return the energy [J] that stopping takes if the robot leaves the leg at ``now_ns`` [ns]."""
-        return _change(self._kinetic(now_ns), (0.0, 0.0))
+        return _change(self._kinetic(*self._leg.velocity_at(now_ns)), (0.0, 0.0))
 
-    def _kinetic(self, now_ns: int) -> Tuple[float, float]:
-        forward, turning = self._leg.velocity_at(now_ns)
+    def _kinetic(self, forward: float, turning: float) -> Tuple[float, float]:
         return self._half_mass * forward * forward, self._half_moment * turning * turning
 
 
