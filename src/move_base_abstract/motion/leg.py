@@ -7,7 +7,7 @@ from typing import List, Tuple
 
 from ..common.units import seconds_to_ns
 from .geometry import Pose2D, normalize_angle
-from .phases import Phase, Profile, Segment, drive_pieces, even, turn_pieces
+from .phases import Phase, Profile, Segment, drive_pieces, turn_piece
 from .pieces import Motion, Placed
 
 _ROUNDING = 1e-9  # m
@@ -136,14 +136,14 @@ class Leg(Motion):
     def _stretches(self) -> List[Placed]:
         start, limits, distance, placed = self.start, self._limits, self.distance, []
         if self._drive_ns > self.depart_ns:
-            turn = even(abs(self._first_turn), limits.turn_rate)
-            placed += turn_pieces(self.depart_ns, start, start.yaw, self._first_turn, turn, 0.0)
+            rate = math.copysign(limits.turn_rate, self._first_turn)
+            placed += turn_piece(self.depart_ns, start, start.yaw, rate, 0.0)
         if self._last_turn_ns > self._drive_ns:
             placed += drive_pieces(self._drive_ns, [Segment(start.x, start.y, self._course, distance)],
                                    speed_profile(distance, limits.max_speed, limits.acceleration), 0.0)
         if self.arrive_ns > self._last_turn_ns:
-            turn = even(abs(self._last_turn), limits.turn_rate)
-            placed += turn_pieces(self._last_turn_ns, self.end, self._course, self._last_turn, turn, distance)
+            rate = math.copysign(limits.turn_rate, self._last_turn)
+            placed += turn_piece(self._last_turn_ns, self.end, self._course, rate, distance)
         return placed
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Sequence, Tuple, Union
 from .backwards import backwards_pieces, length_backwards, parted
 from .geometry import Pose2D, normalize_angle
 from .leg import Tolerances
-from .phases import Profile, even
+from .phases import Profile, eased_turn, even, turn_piece
 from .route import CornerLaw, Route
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class PhasedRoute(Route):
     def _turn_for(self, place: Union[Pose2D, Segment], yaw: float, turn: float, seconds: float, driven: float) -> None:
         """Add a turn by ``turn`` [rad] that takes ``seconds`` [s], at an even rate."""
         if seconds:
-            self._add_turn(place, yaw, turn, even(abs(turn), abs(turn) / seconds)._replace(seconds=seconds), driven)
+            self._add(partial(turn_piece, place=place, yaw=yaw, rate=turn / seconds, driven=driven), seconds)
 
     def _turn_to_drive(self, first: Segment, yaw: float, turn: float, limits: MotionLimits, driven: float) -> None:
         if not self._parts:
@@ -88,8 +88,8 @@ class PhasedRoute(Route):
             self._turn_for(begin, begin.yaw, swing, 0.5 * seconds, self.distance)
             self._turn_for(begin, begin.yaw + swing, -swing, 0.5 * seconds, self.distance)
         length = self.distance + tolerances.xy
-        self._add_turn(begin, begin.yaw, turn, self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw),
-                       self.distance)
+        profile = self._phases.end_turn(whole, self.start_turn, length, tolerances.yaw)
+        self._add(partial(eased_turn, begin=begin, turn=turn, profile=profile, driven=self.distance), profile.seconds)
 
     def _profile(self, length: float, limits: MotionLimits) -> Profile:
         return self._phases.drive(length, limits)

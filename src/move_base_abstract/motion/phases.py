@@ -99,19 +99,28 @@ def drive_pieces(begin_ns: int, segments: Sequence[Segment], profile: Profile, d
     return placed
 
 
-def turn_pieces(begin_ns: int, place: Union[Pose2D, Segment], yaw: float, turn: float, profile: Profile,
-                driven: float) -> List[Placed]:
-    """Return the pieces of a turn in place by ``turn`` [rad] from ``yaw`` [rad] that begins at ``begin_ns`` [ns].
+def turn_piece(begin_ns: int, place: Union[Pose2D, Segment], yaw: float, rate: float, driven: float,
+               easing: float = 0.0) -> List[Placed]:
+    """Return the piece of a turn in place from ``yaw`` [rad], after ``driven`` [m].
 
-    ``profile`` is that of the angle; its distance may be another one. The robot has ``driven`` so many m before.
+    It begins with the ``rate`` [rad/s], which falls exponentially at the rate ``easing`` [1/s].
+    """
+    return [(new(Piece, (begin_ns, place.x, place.y, yaw, math.cos(yaw), math.sin(yaw), 0.0, 0.0, rate, easing)),
+             driven)]
+
+
+def eased_turn(begin_ns: int, begin: Pose2D, turn: float, profile: Profile, driven: float) -> List[Placed]:
+    """Return the pieces of a turn in place by ``turn`` [rad] from the pose ``begin``, which slows down as ``profile``.
+
+    The distance of ``profile`` may be another one than the angle.
     """
     share = turn / profile.distance if profile.distance else 0.0
     placed = []
     for phase in profile.phases:
         offset_ns = _first_ns(phase.begin)
         covered, speed = phase.at(offset_ns / NS_PER_S)
-        placed.append((Piece(begin_ns + offset_ns, place.x, place.y, yaw + share * covered, math.cos(yaw),
-                             math.sin(yaw), 0.0, 0.0, share * speed, phase.rate), driven))
+        placed += turn_piece(begin_ns + offset_ns, begin, begin.yaw + share * covered, share * speed, driven,
+                             phase.rate)
     return placed
 
 

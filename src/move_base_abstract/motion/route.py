@@ -14,7 +14,7 @@ from ..common.units import seconds_to_ns
 from .geometry import Pose2D, normalize_angle
 from .leg import Tolerances, left_to_drive, speed_profile, turn_within
 from .limited_profile import profile_over
-from .phases import Profile, Segment, drive_pieces, even, turn_pieces
+from .phases import Profile, Segment, drive_pieces, turn_piece
 from .pieces import Motion, Placed
 from .planned_way import PieceLimit, PlannedWay
 
@@ -113,13 +113,9 @@ class Route(Motion):
         self._turn(begin, begin.yaw, turn, limits.turn_rate, self.distance)
 
     def _turn(self, place: Union[Pose2D, Segment], yaw: float, turn: float, rate: float, driven: float) -> None:
-        if rate != math.inf:  # otherwise the turn takes no time
-            self._add_turn(place, yaw, turn, even(abs(turn), rate), driven)
-
-    def _add_turn(self, place: Union[Pose2D, Segment], yaw: float, turn: float, profile: Profile,
-                  driven: float) -> None:
-        self._add(partial(turn_pieces, place=place, yaw=yaw, turn=turn, profile=profile, driven=driven),
-                  profile.seconds)
+        """Add a turn by ``turn`` [rad] at ``rate`` [rad/s]; inf: it takes no time."""
+        self._add(partial(turn_piece, place=place, yaw=yaw, rate=math.copysign(rate, turn), driven=driven),
+                  abs(turn) / rate)
 
     def again(self, start: Pose2D, goal: Pose2D, depart_ns: int) -> Route:
         """Return this route with another departure [ns]; ``start`` and ``goal`` (Pose2D) are equal to its ends."""
