@@ -86,12 +86,16 @@ MODULES = {
     'move_base_abstract_ros.nodes.radio_markers_node': 'it only displays'}
 
 
+def role(kind, args='', kept_out=()):
+    """Return the Role of a program of this package, as a node /node."""
+    return roles.role_of(SimpleNamespace(package=PACKAGE, type=kind, name='node', namespace='/', machine_name=None,
+                                         respawn=False, launch_prefix=None, args=args), kept_out=kept_out)
+
+
 def how(kind, args=''):
     """Return how a program of this package takes part, or why it does not."""
-    node = SimpleNamespace(package=PACKAGE, type=kind, name='node', namespace='/', machine_name=None, respawn=False,
-                           launch_prefix=None, args=args)
-    role = roles.role_of(node)
-    return role.kind or role.why
+    found = role(kind, args)
+    return found.kind or found.why
 
 
 class OwnNodesTest(unittest.TestCase):
@@ -101,6 +105,10 @@ class OwnNodesTest(unittest.TestCase):
         self.assertEqual({name: how(name) for name in names},
                          {name: said for name, said in NODES.items() if name in names})
         self.assertEqual({name: how('lockstep', '--own ' + name) for name in MODULES}, MODULES)
+
+    def test_one_that_looks_on_as_it_was_asked_for_is_waited_for_at_the_start(self):
+        for name, said in NODES.items():
+            self.assertEqual(role(name, kept_out=('/node',)).may_provide, said == 'itself', name)
 
 GIVES_UP = """#!/usr/bin/env python3
 import rospy

@@ -128,6 +128,8 @@ def is_display(node):
 
 
 def _may_provide(node):
+    if _is_by_itself(node):
+        return True
     path = None if is_display(node) or _is_own_display(node) else program_of(node)
     return path is not None and not recorders.is_recorder(node) and programs.kind_of(path)[0] is not None
 
