@@ -9,7 +9,7 @@ import shutil
 import tempfile
 import unittest
 
-from lockstep_launcher_run import Scenario, run_scenario
+from lockstep_launcher_run import Scenario, run_programs, run_scenario
 
 SIMULATED = ['--sleep', 'simulated']  # their loops use time.sleep
 
@@ -20,6 +20,12 @@ def installed(package, name):
         for path in glob.glob(os.path.join(prefix, package, name)):
             return path
     raise AssertionError('{} of the package {} is not installed'.format(name, package))
+
+
+class EndTest(unittest.TestCase):
+    def test_a_sleep_in_which_the_run_ends_lasts_until_the_node_is_shut_down(self):
+        run = run_programs({'ticks': [SIMULATED, 'ticks_beyond_the_end.py']}, until=3.2)
+        self.assertEqual(run.printed('ticks'), ['tick'] * 5)  # at 1.5, 2, 2.5 and 3 s, and in the end
 
 
 class ToolsTest(Scenario, unittest.TestCase):

@@ -204,7 +204,7 @@ class OutsideTest(unittest.TestCase):
 
     def test_a_call_of_one_whose_handler_waits_for_simulated_time_is_answered_after_a_while(self):
         other = [sys.executable, os.path.join(FOLDER, os.pardir, 'slow_service.py')]
-        run = run_programs({'asks': ['asks_slowly.py']}, until=1000.0, others={'/other': (other, 0)},
+        run = run_programs({'asks': ['asks_slowly.py']}, until=200.0, others={'/other': (other, 0)},
                            clock={'speed_limit': 20.0})
         self.assertEqual(run.printed('asks'), ['answered: True', 'later: True'], run.outputs)
         self.assertIn("'/asks': service /slow of a node that does not take part has not answered for 5 s of wall time: "

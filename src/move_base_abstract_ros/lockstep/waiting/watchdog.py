@@ -18,6 +18,7 @@ from ..code.callers import own_frame
 from ..code.labels import told
 from ..machine.clocks import sleep_ns
 from ..ros_master.queries import settle
+from .waits import until_shutdown
 
 if TYPE_CHECKING:
     from ..participation.taking_part import Participant
@@ -83,7 +84,7 @@ class Sleep:
             if not self._in_turn(participant, seconds, frame):
                 self._sleep_by_the_wall(seconds)
         except TurnLost:
-            self._sleep_by_the_wall(min(0.1, seconds))
+            until_shutdown()  # not shorter: how often a loop goes round after the run is no matter of chance
 
     def _sleep_by_the_wall(self, seconds: float) -> None:
         self._wall_sleep(seconds)
@@ -123,7 +124,8 @@ class Sleep:
             if not found and seconds > 0 and self._is_simulated:
                 found = self._wait_in_turn(participant.scheduler, ask, seconds)
         except TurnLost:
-            found = ask(min(0.1, seconds))
+            until_shutdown()
+            found = ask(0.0)
         return found
 
     @staticmethod
