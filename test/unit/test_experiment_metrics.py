@@ -52,25 +52,20 @@ def test_the_first_leg_needs_a_start_and_a_leg_that_is_cut_off_adds_nothing(tmp_
     assert found.open_goals == 1
 
 
-def test_where_a_robot_is_first_and_its_corners_are_in_the_log(tmp_path):
+def test_where_a_robot_is_first_and_how_it_drives_is_in_the_log(tmp_path):
+    back = [[9 * SECOND, 3, 4, 0, 0, 1, -1, 0, 0, 0], [13 * SECOND, 3, 0, 0, 1, 0, -1, 0, 0, 0],
+            [16 * SECOND, 0, 0, 0, 1, 0, 0, 0, 0, 0]]
+    on = [[11 * SECOND, 3, 2, 0, 0, 1, 1, 0, 0, 0], [19 * SECOND, 3, 10, 0, 0, 1, 0, 0, 0, 0]]
     path = written(tmp_path / 'log', [
         (1, 'r', 'motion', [0, 0, 0, 1, 0, 0, 0, 0]), (1, 'idle', 'motion', [5, 5, 0, 1, 0, 0, 0, 0]),
-        (2, 'r', 'departed', [3, 4, 0]), (2, 'r', 'route', [3, 0]), (9, 'r', 'stands', [3, 4, 0]),
-        (9, 'r', 'departed', [0, 0, 0]), (9, 'r', 'route', [3, 0]), (11, 'r', 'stands', [3, 2, 0]),
-        (11, 'r', 'departed', [3, 4, 0]), (12, 'r', 'motion', [3, 3, 0, 2, 0, 0, 0, 0]),
-        (13, 'r', 'stands', [3, 4, 0])])
+        (2, 'r', 'departed', [3, 4, 0]), (9, 'r', 'stands', [3, 4, 0]),
+        (9, 'r', 'departed', [0, 0, 0]), (9, 'r', 'pieces', back), (11, 'r', 'stands', [3, 2, 0]),
+        (11, 'r', 'departed', [3, 10, 0]), (11, 'r', 'pieces', on), (12, 'r', 'motion', [3, 3, 0, 2, 0, 0, 0, 0]),
+        (12, 'r', 'departed', [3, 4, 0]), (13, 'r', 'stands', [3, 4, 0])])
     found = metrics.summarise(path)
-    assert {name: one['distance_m'] for name, one in found.robots.items()} == {'r': 7.0 + 2.0 + 2.0, 'idle': 0.0}
+    assert {name: one['distance_m'] for name, one in found.robots.items()} == {
+        'r': 5.0 + 2.0 + 1.0 + 1.0, 'idle': 0.0}
     assert found.robots['idle']['idle_s'] == 19.5
-
-
-@pytest.mark.parametrize('way, end, length', [
-    (((0, 0), (3, 4)), (3, 4), 5.0), (((0, 0), (3, 4)), (6, 8), 10.0),
-    (((0, 0), (4, 0), (4, 3)), (4, 3), 7.0), (((0, 0), (4, 0), (4, 3)), (2, 0), 2.0),
-    (((0, 0), (4, 0), (4, 3)), (4, 1), 5.0), (((0, 0), (4, 0), (4, 0), (4, 3)), (4, 3.5), 7.5),
-    (((0, 0), (4, 0), (0, 0)), (1, 0), 1.0)])
-def test_how_far_along_its_way_a_robot_has_driven(way, end, length):
-    assert metrics.driven(way, end) == pytest.approx(length)
 
 
 def test_labels_are_told(tmp_path):
@@ -106,7 +101,7 @@ def test_how_a_run_ended_is_said_in_a_word(end, word):
                                     [[], {}, 0], [True, 1]])
 def test_a_row_of_others_that_holds_no_place_is_none(tmp_path, values):
     good = [(2, 'r', 'departed', [3, 4, 0]), (7, 'r', 'stands', [3, 4, 0])]
-    strange = [(5, 'r', kind, values) for kind in ('stands', 'departed', 'route', 'motion')]
+    strange = [(5, 'r', kind, values) for kind in ('stands', 'departed', 'pieces', 'motion')]
     plain, mixed = (metrics.summarise(written(tmp_path / 'log', rows), {'r': (0.0, 0.0)})
                     for rows in (good, [good[0], *strange, good[1]]))
     assert plain.metrics == mixed.metrics

@@ -75,8 +75,8 @@ class Record:
         "patterns (`'*.csv'`) of files that nodes leave in their working folder and that are kept")
     hashes: bool = option(FLAG, False, 'the event log has a hash of each message between participants',
                           parameter='log_messages')
-    motion: bool = option(FLAG, True, 'robots log their limits of motion (`/log_motion`); without them a '
-                          '[replay](replay.md) is not exact, and a first leg counts no distance')
+    motion: bool = option(FLAG, True, 'robots log how they drive (`/log_motion`); without it a '
+                          '[replay](replay.md) is not exact, and legs count as straight, a first one not at all')
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import math
 import sys
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from move_base_abstract.motion.geometry import share_along
+from move_base_abstract.motion.told import ToldMotion, motion_of_row
 from move_base_abstract.runs import ends, event_log
 from move_base_abstract.runs.event_log import EventLogError
 from move_base_abstract.runs.metrics import Figures, RadioSums, metrics_of
@@ -25,12 +25,10 @@ from move_base_abstract.runs.trace import TraceEntry
 from . import termination
 
 Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
-Way = Tuple[Tuple[float, float], ...]
 Starts = Dict[str, Place]  # {robot: where it stands at the start}
 _NS_PER_S = 1e9  # dividing by it rounds once
-_NEAR = 1e-9  # m; a point must be nearer than another one by this much
 #: the kinds of rows about a robot's place, see goals.events
-PLACES = ('motion', 'departed', 'route', 'stands')
+PLACES = ('motion', 'departed', 'pieces', 'stands')
 #: the keys of times that each robot has; those of other states are there if any robot was in them
 _COMMON = ('moving_s', 'idle_s', 'waiting_s')
 ROBOT_VALUES = ('goals', 'distance_m', *(state.key for state in STATES))
@@ -67,41 +65,28 @@ class _Odometer:
 
     def __init__(self, place: Place) -> None:
         self.place = place  # where it stands or last stood
-        self.way: Way = ()  # (x, y) [m] of the corners and of the goal, while it drives
+        self.drives = False
+        self.motion: Optional[ToldMotion] = None  # if it drives, and the log has the pieces
         self.distance = 0.0
 
-    def take(self, kind: str, values: Sequence[float]) -> None:
+    def take(self, time_ns: int, kind: str, values: Sequence[Any]) -> None:
         """Take a row of one of the PLACES."""
-        if kind == 'stands':
-            if self.way and self.place is not None:
-                self.distance += driven((self.place, *self.way), (values[0], values[1]))
-            self.place, self.way = (values[0], values[1]), ()
-        elif kind == 'departed':
-            self.way = ((values[0], values[1]),)
-        elif kind == 'route':
-            self.way = (*zip(values[::2], values[1::2]), *self.way[-1:])
-        elif not self.way:  # a row `motion`, which has the robot's place and its limits of motion
-            self.place = (values[0], values[1])
+        if kind == 'departed':
+            if self.motion is not None:  # for another goal, on its way
+                pose = self.motion.pose_at(time_ns)
+                self._stand(time_ns, (pose.x, pose.y))
+            self.drives = True
+        elif kind == 'pieces':
+            self.motion = motion_of_row(values) if self.drives else None
+        elif kind == 'stands' or not self.drives:  # or a row `motion`, which has the robot's place, too
+            self._stand(time_ns, (values[0], values[1]))
 
-
-def driven(way: Sequence[Tuple[float, float]], end: Tuple[float, float]) -> float:
-    """Return the length [m] of a way up to its point nearest to ``end``, plus the distance from there to ``end``.
-
-    If several points are equally near, the first one counts. ``way``: [(x, y), ...] [m]; ``end``: (x, y) [m].
-    """
-    if len(way) <= 2:
-        return math.dist(way[0], end)
-    best = (math.inf, 0.0)
-    before = 0.0
-    for one, other in zip(way, way[1:]):
-        length = math.dist(one, other)
-        share = share_along(one, other, *end)
-        foot = (one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1]))
-        off = math.dist(foot, end)
-        if off < best[0] - _NEAR:
-            best = (off, before + share * length + off)
-        before += length
-    return best[1]
+    def _stand(self, time_ns: int, end: Tuple[float, float]) -> None:
+        if self.drives:
+            straight = math.dist(self.place, end) if self.place is not None else 0.0
+            # No way is shorter than the straight line; robots of the original simulator are shown half-way.
+            self.distance += max(straight, self.motion.distance_at(time_ns) if self.motion is not None else 0.0)
+        self.place, self.drives, self.motion = end, False, None
 
 
 def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
@@ -144,10 +129,10 @@ class _Tally:
         time_ns, name, kind, values = row
         self._validity.take(name, kind, values)
         self.story.take(*row)
-        if kind in PLACES and len(values) >= 2 and all(map(_is_number, values)):  # anybody may write such rows
+        if kind in PLACES and (kind == 'pieces' or len(values) >= 2 and all(map(_is_number, values))):  # of anybody
             if name not in self._odometers:
                 self._odometers[name] = _Odometer(self._starts.get(name))
-            self._odometers[name].take(kind, values)
+            self._odometers[name].take(time_ns, kind, values)
         elif kind in _RADIO_KINDS:
             self._radio.take(kind, values, time_ns)
         elif kind == 'meets':
