@@ -276,8 +276,8 @@ void file(const std::string& path, const std::string& how) {
   } else if (how == "claims") {
     const std::string claimed = path + "." + ros::this_node::getName().substr(1);
     tell("claims", std::rename(path.c_str(), claimed.c_str()));
-  } else if (how == "writes") {
-    tell("writes", std::ofstream(path, std::ios::app).is_open());
+  } else if (how == "writes" || how == "locks") {
+    tell("writes", std::fopen(path.c_str(), how == "locks" ? "wx" : "a") != nullptr);
   } else if (how == "asks") {
     struct stat found;
     tell("asks", std::filesystem::exists(path), stat(path.c_str(), &found),

@@ -150,7 +150,7 @@ class LockstepRoscppChanceTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, folder)
         path = os.path.join(folder, 'results')
         for how, other in (('reads', 'writes'), ('writes', 'reads'), ('renames', 'reads'),
-                           ('claims', 'claims'), ('asks', 'writes'), ('removes', 'asks')):
+                           ('claims', 'claims'), ('asks', 'writes'), ('removes', 'asks'), ('locks', 'locks')):
             run = RUNS.run([Program('one', own('shim_chance'), what='file', file=path, how=how),
                             Program('two', own('shim_chance'), what='file', file=path, how=other)])
             self.assert_shared(run, path)

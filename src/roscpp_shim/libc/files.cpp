@@ -101,17 +101,17 @@ class Opening {
   }
 
  private:
-  /** A missing file that the program wants to read is reported, too: another run may find it. */
+  /** A file that cannot be opened is reported as read: another run may find it, or find none. */
   void note(bool is_open) const {
     const int access = flags_ & O_ACCMODE;
-    if (!is_seen_ || isRoscpps(caller_) || (!is_open && access != O_RDONLY)) {
+    if (!is_seen_ || isRoscpps(caller_)) {
       return;
     }
     const int error = errno;
     const Inside inside;
     const std::string path = wholePath(path_);
     if (!path.empty()) {
-      noteFile(asText(path), access != O_WRONLY, access != O_RDONLY);
+      noteFile(asText(path), !is_open || access != O_WRONLY, is_open && access != O_RDONLY);
     }
     errno = error;
   }
@@ -126,7 +126,7 @@ class Opening {
 /** @brief Report a file that has a name or has lost one as written, as read if that failed: another
  * run may find it. @return @p result. */
 int tellNamed(int result, const char* path, const void* caller) {
-  return Opening(path, result == 0 ? O_WRONLY : O_RDONLY, caller).noted(result);
+  return Opening(path, O_WRONLY, caller).noted(result);
 }
 
 void setTime(timespec* time, Nanoseconds at) { *time = toTimespec(at); }
