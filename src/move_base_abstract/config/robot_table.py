@@ -95,8 +95,7 @@ TABLE = (
     Parameter('gazebo_z', 0.0, position('m', note="height of the model's origin"),
               'Height at which Gazebo places the robot.'),
     Parameter('log_motion', False, FLAG,
-              'In lockstep, the event log has the start and the limits of motion of the robot; a namespace above '
-              'counts, too.'),
+              'In lockstep, the event log has exactly how the robot drives; a namespace above counts, too.'),
     Parameter('bad_frame_policy', 'abort', one_of('abort', 'wait'),
               'A goal whose frame is not known is aborted, or waits for the frame.'),
     Parameter('frame_timeout', 1.0, number(0.0, 60.0, unit='s, wall'),

@@ -22,6 +22,5 @@ TABLE = (
               'In lockstep, who begins to listen to poses, tf, scans or feedback of robots is told the present ones; '
               'a namespace above counts, too.'),
     Parameter('log_motion', False, FLAG,
-              'In lockstep, the event log has the starts and limits of motion of robots; a namespace above counts, '
-              'too.'),
+              'In lockstep, the event log has exactly how robots drive; a namespace above counts, too.'),
 )

@@ -157,7 +157,7 @@ class LockstepTiming:
     """Lockstep: time leaps from event to event and waits for all participants, and no message is left out.
 
     Each message at a rate has its instant, as long as a node hears it. ``events_only``: nothing is published at a rate
-    unless its own parameter sets one. ``log_motion``: robots write their limits of motion into the event log.
+    unless its own parameter sets one. ``log_motion``: robots write how they drive into the event log.
     ``chaos_seed``, ``chaos_only``: those of the run, which decide how robots with ``buggify`` go wrong.
     ``tells_newcomers``: who begins to listen is told present values. The methods are those of :class:`ScaledTiming`.
     """
