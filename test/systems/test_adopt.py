@@ -101,7 +101,8 @@ class AdoptTest(OwnFolder, unittest.TestCase):
     def test_a_map_in_the_file_keeps_robots_out_of_its_walls_unless_the_user_says_otherwise(self):
         for name, text in MAPPED.items():
             self.write(name, text, 0o755)
-        told, log, events = self.launch('map.jsonl', '--adopt', self.path('launch/yard.launch'))
+        motion = '--param', '/log_motion=true'
+        told, log, events = self.launch('map.jsonl', '--adopt', *motion, self.path('launch/yard.launch'))
         self.assertTrue(log.end['repeatable'], log.end)
         for start in ('/b/move_base starts at (2.05, 0.55), in an occupied cell of the map of /map_server, and may',
                       '/c/move_base starts at (-1, 0.55), off the map of /map_server, and may leave that place'):
@@ -114,12 +115,13 @@ class AdoptTest(OwnFolder, unittest.TestCase):
         no_plan = 'Failed to find a valid plan. Even after executing recovery behaviors.'
         self.assertEqual(ended, [(robot, text) for robot in 'abc'
                                  for text in ('Goal reached.', 'Goal reached.', no_plan)])
-        corners = {robot: values for robot, kind, values in events[::-1] if kind == 'route'}
-        self.assertGreater(max(corners['a'][1::2]), 1.6)  # around the end of the wall
-        self.assertEqual(corners['b'][:2], [2.35, 0.55])
-        self.assertEqual(corners['c'][:2], [0.05, 0.55])
-        _told, _log, straight = self.launch('straight.jsonl', '--adopt', '--param', 'use_map=false',
+        places = {robot: [[round(one, 6) for one in piece[1:3]] for piece in pieces]
+                  for robot, kind, pieces in events[::-1] if kind == 'pieces'}
+        self.assertGreater(max(y for _, y in places['a']), 1.6)  # around the end of the wall
+        self.assertEqual(places['b'][1], [2.35, 0.55])
+        self.assertEqual(places['c'][1], [0.05, 0.55])
+        _told, _log, straight = self.launch('straight.jsonl', '--adopt', *motion, '--param', 'use_map=false',
                                             self.path('launch/yard.launch'))
-        self.assertNotIn('route', [kind for _ns, _robot, kind, _values in straight])
+        self.assertEqual({len(json.loads(values)) for _ns, _robot, kind, values in straight if kind == 'pieces'}, {2})
         self.assertEqual({json.loads(values)[2] for _ns, _robot, kind, values in straight if kind == 'ended'},
                          {'Goal reached.'})

@@ -59,9 +59,9 @@ def travelled(goal, **settings):
                 'start_x': START[0], 'start_y': START[1], **settings}
     fleet = Fleet(make_scenario({'defaults': defaults, 'robots': [{'name': 'bot'}]}), start_ns=0, occupancy=yard())
     fleet.robot('bot').send(*goal)
+    corners = fleet.robot('bot')._robot.leg.corners
     fleet.run()
-    [values] = [entry.values for entry in fleet.trace if entry.kind == 'route']
-    return list(zip(values[::2], values[1::2])), fleet.trace[-1].time_ns
+    return list(corners), fleet.trace[-1].time_ns
 
 
 def points(path):

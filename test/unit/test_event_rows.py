@@ -26,11 +26,6 @@ def test_an_event_makes_rows_of_the_kinds_that_stand_with_it(event):
     assert kinds_in(event.row) == {one.kind for one in WRITTEN[event]}
 
 
-def test_the_rows_that_come_with_each_goal_are_of_known_kinds():
-    made = kinds_in(robot_rows.row_hearers)
-    assert made == {'route', 'manner'} and made < {one.kind for one in robot_rows.ROW_KINDS}
-
-
 def test_no_kind_is_there_twice():
     kinds = [one.kind for one in (*robot_rows.ROW_KINDS, *order_rows.ROW_KINDS)]
     assert len(set(kinds)) == len(kinds) and set(FLAT) < set(kinds)

@@ -18,6 +18,7 @@ from move_base_abstract.motion.leg import MotionLimits, Tolerances
 from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.runs.trace import TraceEntry
 from move_base_abstract.scenario import make_scenario
+from traces import leg_of
 
 S = NS_PER_S
 NO_PLAN = 'Failed to find a valid plan. Even after executing recovery behaviors.'
@@ -63,7 +64,7 @@ def test_a_robot_travels_the_route_to_the_nanosecond(law):
         assert fleet.robot('bot').distance == route.distance_at(fleet.now_ns)
     fleet.run()
     assert fleet.trace[1:] == [
-        TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)), TraceEntry(0, 'bot', 'route', (*CORNERS[0], *CORNERS[1])),
+        TraceEntry(0, 'bot', 'departed', (8.5, 5.5, 0.0)),
         TraceEntry(route.arrive_ns, 'bot', 'stands', (route.end.x, route.end.y, 0.0)),
         TraceEntry(route.arrive_ns, 'bot', 'ended', ('bot-1', 'SUCCEEDED', 'Goal reached.'))]
 
@@ -134,13 +135,14 @@ def test_a_route_that_a_new_map_cuts_is_planned_again_at_that_instant():
     fleet = fleet_on(area(WALL))
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area((slice(0, 10), 5))))
+    fleet.run(3 * S)
+    corners = leg_of(fleet).corners
     fleet.run()
-    assert [entry.kind for entry in fleet.trace] == ['goal', 'departed', 'route', 'stands', 'departed', 'route',
-                                                     'stands', 'ended']
-    assert {entry.time_ns for entry in fleet.trace[3:6]} == {3 * S}
-    here = Pose2D(*fleet.trace[3].values)
-    assert fleet.trace[5].values[-2:] == (6.007812, 10.007812)
-    route = Route(here, GOAL, [fleet.trace[5].values[index:index + 2] for index in (0, 2)], LIMITS, depart_ns=3 * S)
+    assert [entry.kind for entry in fleet.trace] == ['goal', 'departed', 'stands', 'departed', 'stands', 'ended']
+    assert {entry.time_ns for entry in fleet.trace[2:4]} == {3 * S}
+    here = Pose2D(*fleet.trace[2].values)
+    assert corners[-1] == (6.007812, 10.007812)
+    route = Route(here, GOAL, corners, LIMITS, depart_ns=3 * S)
     assert fleet.trace[-1].time_ns == route.arrive_ns and fleet.trace[-1].values[1] == 'SUCCEEDED'
 
 
@@ -160,14 +162,14 @@ def test_a_map_without_a_way_ends_the_goal_and_one_with_a_way_saves_it():
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(3 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.run()
-    assert kinds(fleet)[3:] == [(3.0, 'stands'), (3.0, 'ended')] and fleet.trace[-1].values[2] == NO_PLAN
+    assert kinds(fleet)[2:] == [(3.0, 'stands'), (3.0, 'ended')] and fleet.trace[-1].values[2] == NO_PLAN
 
     fleet = fleet_on(area(CLOSED), abort_policy='upstream')
     fleet.robot('bot').send(GOAL.x, GOAL.y)
     fleet.at(7 * S, lambda fleet: fleet.use_map(area(CLOSED)))
     fleet.at(8 * S, lambda fleet: fleet.use_map(area(WALL)))
     fleet.run()
-    assert kinds(fleet)[1:3] == [(8.0, 'departed'), (8.0, 'route')]
+    assert kinds(fleet)[1:2] == [(8.0, 'departed')]
     assert [entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == ['SUCCEEDED']
 
 

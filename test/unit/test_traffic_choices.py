@@ -171,13 +171,14 @@ EDGES = [('x', 'a', {}), *((one, other, {'capacity': 1}) for one, other in ('ab'
 
 @pytest.mark.parametrize('price, by', [(0.0, 3.0), (0.01, 3.0), (1.0, -4.0)])
 def test_who_departs_goes_round_a_full_lane_where_that_is_cheaper(tmp_path, price, by):
-    fleet = fleet_of([{'name': 'r', 'start_x': 5.0, 'start_y': 1.5}, {'name': 's'}], lane_price=price,
-                     **net_of(tmp_path, DIAMOND, EDGES))
+    fleet = fleet_of([{'name': 'r', 'start_x': 5.0, 'start_y': 1.5}, {'name': 's', 'log_motion': True}],
+                     lane_price=price, **net_of(tmp_path, DIAMOND, EDGES))
     fleet.robot('r').send(6.0, 1.8)  # on the lane, where it stays
     fleet.run()
     fleet.robot('s').send(20.0, 0.0)
     fleet.run(until=100.0)
-    assert [row[4] for row in rows(fleet, 'route') if row[1] == 's'][0] == by
+    first = next(row[3:] for row in rows(fleet, 'pieces') if row[1] == 's')
+    assert max((piece.y for piece in first), key=abs) == pytest.approx(by)
     assert any(row[1] == 's' for row in rows(fleet, 'ended')) == (by == -4.0)
 
 

@@ -1,11 +1,10 @@
 """The rows of a robot's events, in the trace of the plain fleet and in a run's event log."""
 from __future__ import annotations
 
-from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Dict, Type
 
 from ..goals import task_events, traffic_events  # noqa: F401  # they add their events to WRITTEN
-from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Phased, Recorded, Stands, motion_of
+from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Recorded, Stands, motion_of
 from ..goals.traffic_events import Entered, Left
 from ..runs.trace import Rows
 
@@ -34,17 +33,9 @@ def row_hearers(take: Take, with_motion: bool = False) -> Dict[Type[Any], Take]:
             take((time_ns, robot, kind, *values))
         return hear_plain
 
-    def departed(event: Departed) -> None:
-        time_ns, robot, *_, corners, manner = event
-        take(event[:6])
-        if corners:
-            take((time_ns, robot, 'route', *chain.from_iterable(corners)))
-        if with_motion and manner:
-            take((time_ns, robot, 'manner', *manner))
     return {**{event: hear if hasattr(event, 'row') else plain(kinds[0].kind) for event, kinds in WRITTEN.items()
                if with_motion or not kinds[0].is_motion},
-            **dict.fromkeys((GoalTaken, Stands, Entered, Left), take), Departed: departed,
-            Ended: lambda event: take(event[:6])}
+            **dict.fromkeys((GoalTaken, Departed, Stands, Entered, Left), take), Ended: lambda event: take(event[:6])}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:
@@ -61,17 +52,11 @@ class TraceRows(Rows):
     def __init__(self) -> None:
         super().__init__()
         flat = dict.fromkeys((GoalTaken, Departed, Stands, Ended, Entered, Left), self.take_flat)
-        self._hearers = ({**row_hearers(self.take), **flat},
-                         {**row_hearers(self.take, True), **flat, Departed: self._departed})
+        self._hearers = tuple({**row_hearers(self.take, with_motion), **flat} for with_motion in (False, True))
 
     def subscribe(self, stream: Stream, with_motion: bool) -> None:
         """Take the rows of the events of a robot's ``stream``; ``with_motion``: see :func:`row_hearers`."""
         stream.subscribe('trace', self._hearers[with_motion])
-
-    def _departed(self, event: Departed) -> None:
-        self.take_flat(event)
-        if event.manner:
-            self.take((event.time_ns, event.robot, 'manner', *event.manner))
 
 
 def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> None:
@@ -80,7 +65,5 @@ def tell_start(stream: Stream, robot: Robot, durations: Any, now_ns: int) -> Non
     ``durations``: the Durations or CalibratedDurations of its settings, or None.
     """
     stream.tell(motion_of(robot, now_ns))
-    if robot.phases is not None:
-        stream.tell(Phased(now_ns, robot.name, robot.phases))
     if durations is not None and durations.recorded is not None:
         stream.tell(Recorded(now_ns, robot.name, durations.recorded))

@@ -8,14 +8,13 @@ each goal, GoalTaken, Departed, Stands and Ended, are rows themselves, with thei
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, NamedTuple, Sequence, Tuple, Type, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Dict, NamedTuple, Tuple, Type, TypeVar
 
 from ..engine.stream import Stream
 from ..motion.told import told
 from ..runs.trace import RowKind
 
 if TYPE_CHECKING:
-    from ..motion.approach import MotionPhases
     from ..motion.geometry import Pose2D
     from ..motion.leg import MotionLimits, Tolerances
     from ..motion.pieces import Motion
@@ -74,17 +73,9 @@ class GoalTaken(NamedTuple):
     goal_id: str
 
 
-@written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'),
-         RowKind('route', 'x, y, x, y, ...', 'after `departed`: the corners of the way, if it has any'),
-         RowKind('manner',
-                 'rest at first [ns], travel after it [ns], way backwards at first [m] and its speed [m/s], time of '
-                 'spinning before the last turn [s] and its speed [rad/s]',
-                 'after `departed`: a leg at its own pace', True))
+@written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'))
 class Departed(NamedTuple):
-    """The robot departs for the goal ``x``, ``y``, ``yaw`` by ``corners`` [(x, y), m].
-
-    ``manner``: see PacedLeg, empty if there is none.
-    """
+    """The robot departs for the goal ``x``, ``y``, ``yaw``; it travels its ``leg`` from now on."""
 
     time_ns: int
     robot: str
@@ -92,8 +83,6 @@ class Departed(NamedTuple):
     x: float
     y: float
     yaw: float
-    corners: Sequence[Tuple[float, float]]
-    manner: Tuple[float, ...]
 
 
 @written(RowKind('pieces', '[begin [ns], x, y, yaw, ux, uy, v, a, w, k], ...',
@@ -374,23 +363,6 @@ class MotionSet(NamedTuple):
         return (self.time_ns, self.robot, 'motion', pose.x, pose.y, pose.yaw, limits.max_speed,
                 *(0.0 if math.isinf(limit) else limit for limit in (limits.acceleration, limits.turn_rate)),
                 tolerances.xy, tolerances.yaw)
-
-
-@written(RowKind('phases',
-                 'start_turn_linear [s/rad], start_turn_square [s/rad^2], braking_gain [1/s], braking_offset [m], '
-                 'turning_speed [rad/s], turning_gain [1/s], turning_offset [rad], bow_length [m]',
-                 'how a [calibrated](calibration_law.md) robot begins and ends its legs', True))
-class Phased(NamedTuple):
-    """The robot exists from now on, and begins and ends its legs in these ``phases``."""
-
-    time_ns: int
-    robot: str
-    phases: MotionPhases
-
-    def row(self) -> Row:
-        """Return its row: the numbers of MotionPhases in their order."""
-        start_turn, *others = vars(self.phases).values()
-        return (self.time_ns, self.robot, 'phases', *start_turn, *others)
 
 
 def motion_of(robot: Robot, now_ns: int) -> MotionSet:

@@ -98,8 +98,7 @@ class Travel:
             self._navigator.refuse_to_wait(leg.arrive_ns, 'the arrival', 'are the position (m) and the speed, {:g} '
                                            'm/s, as they are meant?'.format(robot.limits.max_speed), now_ns)
             return
-        self._stream.tell(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw, leg.corners,
-                                         leg.manner)))
+        self._stream.tell(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw)))
         if Drives in self._stream.hearers:
             self._stream.tell(Drives(now_ns, robot.name, leg))
         gate = self._gate

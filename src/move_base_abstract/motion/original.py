@@ -71,7 +71,6 @@ class HalfwayLeg(PacedLeg):
     """
 
     __slots__ = ()
-    manner: Tuple[float, ...] = ()  # its poses do not move along a way
 
     @property
     def pieces(self) -> Tuple[Piece, ...]:

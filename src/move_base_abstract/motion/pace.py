@@ -14,10 +14,6 @@ class Pace(NamedTuple):
     factor: float
 
 
-#: PhasedRoute.tail of a leg that has no tail
-_NO_TAIL = (0.0, 1.0, 0.0, 0.0)
-
-
 class PacedLeg(Motion):
     """A :class:`Leg` or :class:`Route` at a :class:`Pace`: the same way, each place at another instant. Immutable."""
 
@@ -32,17 +28,6 @@ class PacedLeg(Motion):
         self.depart_ns = leg.depart_ns
         self._begin_ns = leg.depart_ns + pace.delay_ns
         self.arrive_ns = self._begin_ns + self._ns
-
-    @property
-    def manner(self) -> Tuple[float, ...]:  # type: ignore[override]
-        """How it differs from its law: the delay at the start [ns], the travel time [ns], and the leg's ``tail``."""
-        return (self._begin_ns - self.depart_ns, self._ns, *self.tail)
-
-    @property
-    def tail(self) -> Tuple[float, float, float, float]:
-        """The same as :attr:`.phased_route.PhasedRoute.tail`."""
-        tail: Tuple[float, float, float, float] = getattr(self._leg, 'tail', _NO_TAIL)
-        return tail
 
     @property
     def way(self) -> Tuple[Tuple[float, float], ...]:

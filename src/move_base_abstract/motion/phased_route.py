@@ -36,11 +36,6 @@ class PhasedRoute(Route):
         self.start_turn = self._first_length = 0.0
         super().__init__(start, goal, corners, limits, tolerances, depart_ns, law)
 
-    @property
-    def tail(self) -> Tuple[float, float, float, float]:
-        """The motion that is not in its law: (backwards [m], backwards [m/s], spin [s], spin [rad/s])."""
-        return (*self._backwards, *self._spin)
-
     def going_backwards(self, extra: float, speed: float) -> PhasedRoute:
         """Return the route that takes ``extra`` [s] longer because it begins backwards at ``speed`` [m/s].
 

@@ -104,8 +104,6 @@ class Motion:
     end: Pose2D
     distance: float
     corners: Sequence[Tuple[float, float]] = ()
-    #: how the leg differs from its law, as in :class:`.pace.PacedLeg`: not at all
-    manner: Tuple[float, ...] = ()
     _kept: Optional[Tuple[Tuple[Piece, ...], List[float]]]
 
     def _stretches(self) -> Iterable[Placed]:
@@ -204,14 +202,3 @@ class Motion:
         """Yield (a piece, the instant [ns] at which it ends), in order."""
         pieces = self.pieces
         return zip(pieces, (*(piece.begin_ns for piece in pieces[1:]), self.arrive_ns))
-
-    def even_instants_ns(self, ramp_pieces: int) -> List[int]:
-        """Return instants [ns] between which the robot turns in place, or drives straight at a nearly constant speed.
-
-        Each piece in which it changes its speed is divided into ``ramp_pieces`` equal parts.
-        """
-        found = [self.depart_ns]
-        for piece, end_ns in self.spans():
-            parts = min(ramp_pieces, end_ns - piece.begin_ns) if piece.a or piece.k else 1
-            found += [piece.begin_ns + (end_ns - piece.begin_ns) * part // parts for part in range(1, parts + 1)]
-        return found

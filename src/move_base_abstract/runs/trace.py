@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import gc
-from itertools import chain
 from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Tuple
 
 
@@ -29,7 +28,7 @@ class TraceEntry(NamedTuple):
 
 
 #: the most frequent kinds of rows: how many values their events have, and how many of these are the row
-FLAT = {'goal': (4, 4), 'departed': (8, 6), 'stands': (6, 6), 'ended': (8, 6), 'entered': (4, 4), 'left': (4, 4)}
+FLAT = {'goal': (4, 4), 'departed': (6, 6), 'stands': (6, 6), 'ended': (8, 6), 'entered': (4, 4), 'left': (4, 4)}
 _new = tuple.__new__  # makes a named tuple without the call of its constructor
 
 
@@ -70,8 +69,6 @@ class Rows:
                 robot, kind = values[place + 1], values[place + 2]
                 length, end = FLAT[kind]
                 entries.append(_new(TraceEntry, (row, robot, kind, tuple(values[place + 3:place + end]))))
-                if kind == 'departed' and values[place + 6]:  # the corners of the way
-                    entries.append(TraceEntry(row, robot, 'route', tuple(chain.from_iterable(values[place + 6]))))
                 place += length
         return entries
 

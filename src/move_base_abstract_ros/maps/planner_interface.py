@@ -70,8 +70,9 @@ class PlannerInterface:
 
     def _show(self, event: Departed) -> None:
         """Publish the way that the robot now takes, also for later listeners."""
-        start = self._navigator.robot.pose_at(event.time_ns)
-        self._plans.show(start, event.corners, Pose2D(event.x, event.y, event.yaw), event.time_ns)
+        leg = self._navigator.robot.leg
+        assert leg is not None  # it has just departed
+        self._plans.show(leg.start, leg.corners, Pose2D(event.x, event.y, event.yaw), event.time_ns)
 
     def _pack_way(self, start: Pose2D, corners: Any, goal: Pose2D, now_ns: int) -> Pack:
         return of_message(self._to_path(path_along(start, corners, goal), now_ns))
