@@ -69,6 +69,8 @@ ALL = """<launch>
   <node pkg="study_of_others" type="dump.py" name="prefix" launch-prefix="/usr/bin/nice -n 2" cwd="node"/>
   <node pkg="study_of_others" type="dump.py" name="python" launch-prefix="/usr/bin/env WORDS='x y' python3 -u"/>
   <node pkg="study_of_others" type="dump.py" name="shell" launch-prefix="bash -c 'exec &quot;$0&quot; &quot;$@&quot;'"/>
+  <node pkg="study_of_others" type="dump.py" name="worded"
+        launch-prefix="bash -c 'test -x $0 &amp;&amp; exec &quot;$0&quot; --first &quot;2 3&quot; $@'" args="4"/>
   <node pkg="study_of_others" type="dump.py" name="quotes" output="log"
         args="'a b' &quot;c d&quot; e\\ f '' --x=&quot;g h&quot; $(arg text) '$(arg text)' # $HOME ~ * _a:=5 out:=/b"/>
   <node pkg="study_of_others" type="dump.py" name="found" ns="deep/er"
@@ -86,7 +88,7 @@ ALL = """<launch>
   </group>
   <node pkg="study_of_others" type="dump.py" name="respawned" respawn="true" respawn_delay="0.1" clear_params="true"/>
   <node pkg="move_base_abstract" type="shim_listener" name="relay" args="/a '/b'" cwd="node"/>
-  <node pkg="study_of_others" type="last.py" name="last" args="12" required="true"/>
+  <node pkg="study_of_others" type="last.py" name="last" args="13" required="true"/>
 </launch>
 """
 SCRIPT = '#!/bin/bash\nexec "$(dirname "$0")/dump.py" "from shell" "$@"\n'

@@ -37,6 +37,8 @@ _CLOCKS = (('stage_ros', 'stageros'), ('gazebo_ros', 'gazebo'), ('gazebo_ros', '
            ('flatland_server', 'flatland_server'), ('mvsim', 'mvsim_node'), ('mvsim', 'mvsim'))
 _DEBUGGERS = ('gdb', 'valgrind', 'strace', 'ltrace', 'perf', 'rr', 'lldb', 'ddd')
 _OWN_PREFIX = 'move_base_abstract lockstep'
+#: the program in the text of a shell, if other words follow before its arguments: $0 WORD $@
+_WORDS_BEFORE = re.compile(r'"?\$(?:0|\{0\})"?(?=[ \t]+(?!"?\$[@*])[^;&|\n]*\$[@*])')
 
 
 #: the original package's time master. Whatever its node is called in the file, it becomes our /time_master
@@ -269,9 +271,16 @@ def choice_of_program(node):
 
 
 def prefix_of(node, launcher):
-    """Return the node's launch prefix with the words of our launcher in it: before a Python, otherwise at the end."""
+    """Return the node's launch prefix with the words of our launcher in it: before a Python, otherwise at the end.
+
+    In a shell's text that puts words between the program and its arguments, it stands before the program.
+    """
     words = prefix_words(node)
     if is_nodelet_loader(node):
         launcher = [*launcher, '--sleep', 'simulated']
+    if words and is_shell_word(words[0]) and _WORDS_BEFORE.search(words[-1]):
+        ours = ' '.join(map(shlex.quote, launcher))
+        text = _WORDS_BEFORE.sub(lambda found: '{} {}'.format(ours, found.group()), words[-1])
+        return ' '.join(map(shlex.quote, [*words[:-1], text]))
     at = next((k for k, word in enumerate(words) if os.path.basename(word).startswith('python')), len(words))
     return ' '.join(shlex.quote(word) for word in [*words[:at], *launcher, *words[at:]])
