@@ -208,7 +208,8 @@ def test_wrong_arguments_are_refused(words, capsys):
 
 @pytest.mark.parametrize('far', ['2e9', '-1e9001', '1e308', '999999999.99'])
 @pytest.mark.parametrize('kind, values', [('stands', '[{},0.0,0.0]'), ('departed', '[{},1.0,0.0]'),
-                                          ('route', '[1.0,{}]'), ('motion', '[0.0,{},0.0,1.0,0.0,0.0,0.0,0.0]')])
+                                          ('pieces', '[[0,1.0,{},0.0,1.0,0.0,0.0,0.0,0.0,0.0]]'),
+                                          ('motion', '[0.0,{},0.0,1.0,0.0,0.0,0.0,0.0]')])
 def test_a_row_with_a_place_that_is_too_far_away_is_no_row_about_a_place(tmp_path, far, kind, values):
     rows = [('stands', '[0.0,0.0,0.0]'), (kind, values.format(far)), ('departed', '[5.0,1.0,0.0]'),
             (kind, values.format(far)), ('stands', '[5.0,1.0,0.0]')]
