@@ -98,6 +98,17 @@ class AdoptTest(OwnFolder, unittest.TestCase):
         self.assertEqual(self.run_it('lockstep_launch', *words)[0], 0)
         self.assertTrue(filecmp.cmp(first, second, shallow=False))
 
+    def test_an_experiment_and_chaos_say_how_to_see_what_is_made_of_the_file(self):
+        for name, text in FILES.items():
+            self.write(name, text, 0o755)
+        self.write('a.yaml', 'experiment: a\nlaunch: launch/two.launch\nadopt: true\nuntil: {idle: true}\n')
+        for words in (('experiment', 'run', 'a.yaml', '-o', 'out', '--workers', '1'),
+                      ('chaos', '--seeds', '1', '--adopt', self.path('launch/two.launch'))):
+            said = self.run_it(*words)[1]
+            line = next((one for one in said.splitlines() if 'what is made of the launch file' in one), said)
+            code, told = self.run_it(*shlex.split(line.partition('rosrun move_base_abstract ')[2]))
+            self.assertEqual((code, '/a/spawn (gazebo_ros/spawn_model) is left out: ' in told), (0, True), told)
+
     def test_a_map_in_the_file_keeps_robots_out_of_its_walls_unless_the_user_says_otherwise(self):
         for name, text in MAPPED.items():
             self.write(name, text, 0o755)
