@@ -69,6 +69,7 @@ def _import(wanted: Sequence[str]) -> None:
     if ROS in wanted and warm_ros.is_there():
         from move_base_abstract_ros.launching import warm_nodes
         warm_nodes.import_all()
+        warm_ros.launcher()  # so that not each trial looks it up
     if NUMPY in wanted:
         importlib.import_module('numpy.random')  # from 2.3 on, numpy imports it only when it is used
 

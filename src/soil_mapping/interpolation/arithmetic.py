@@ -77,12 +77,15 @@ def mean(values: np.ndarray) -> float:
 
 
 def slices(values: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Return (high, low) of values in -1..1: whole numbers with values = (high + low / 2^22) / 2^22, to 2^-45."""
+    """Return (high, low) of values in -1..1: multiples of 2^-22 and of 2^-44 with values = high + low, to 2^-45."""
     scaled = values * SLICE
     high = np.rint(scaled)
     scaled -= high
     scaled *= SLICE
-    return high, np.rint(scaled, out=scaled)
+    np.rint(scaled, out=scaled)
+    high *= 1.0 / SLICE  # powers of two: nothing is rounded
+    scaled *= 1.0 / (SLICE * SLICE)
+    return high, scaled
 
 
 def product(left: Tuple[np.ndarray, np.ndarray], right: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -91,12 +94,9 @@ def product(left: Tuple[np.ndarray, np.ndarray], right: Tuple[np.ndarray, np.nda
     The absolute values of the terms of each sum are at most 512 together, as those of 512 terms in -1..1 are.
 
     BLAS computes it, but the result is the same on every computer. All sums, in any order, are whole numbers below
-    2^53, so nothing is ever rounded (K. Ozaki et al., Numerical Algorithms 59, 2012).
+    2^53 times a power of two, so nothing is ever rounded (K. Ozaki et al., Numerical Algorithms 59, 2012).
     """
-    high = left[0] @ right[0]
-    low = left[0] @ right[1]
-    low += left[1] @ right[0]
-    low *= 1.0 / SLICE  # a power of two: the same as a quotient, and faster
-    high += low
-    high *= 1.0 / (SLICE * SLICE)
-    return high
+    result = left[0] @ right[1]
+    result += left[1] @ right[0]
+    result += left[0] @ right[0]
+    return result

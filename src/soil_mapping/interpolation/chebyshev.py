@@ -5,6 +5,7 @@ formula) and theorem 8.2 (error). With arithmetic.py the results are the same on
 """
 from __future__ import annotations
 
+import functools
 from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
@@ -21,7 +22,7 @@ def on_grid(function: Callable[..., Any], x: np.ndarray, y: np.ndarray, width: f
         are constants plus sums of exp(-(t - a)^2 / w^2) with w >= width.
     :param x: increasing coordinates. :param y: the same. :param width: in their unit, > 0.
     """
-    (at_x, to_x), (at_y, to_y) = _nodes(x, width), _nodes(y, width)
+    (at_x, to_x), (at_y, to_y) = (_known_nodes(line.tobytes(), width) for line in (x, y))
     values = function(at_x, at_y)
     if to_x is to_y is None:
         return values
@@ -34,6 +35,11 @@ def on_grid(function: Callable[..., Any], x: np.ndarray, y: np.ndarray, width: f
     values = values.reshape(-1, len(y), len(x))
     values *= np.ldexp(1.0, exponents)
     return values
+
+
+@functools.lru_cache(maxsize=32)  # a mission's maps have one grid, and few widths
+def _known_nodes(line: bytes, width: float) -> Tuple[np.ndarray, Optional[Tuple[np.ndarray, np.ndarray]]]:
+    return _nodes(np.frombuffer(line), width)
 
 
 def _nodes(line: np.ndarray, width: float) -> Tuple[np.ndarray, Optional[Tuple[np.ndarray, np.ndarray]]]:

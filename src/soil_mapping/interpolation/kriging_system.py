@@ -44,8 +44,8 @@ class KrigingSystem:
         mean = np.empty((len(y), len(x)))
         for block, found in self._blocks(x, y, self._weights[None, :]):
             mean[block] = found[0] + self._mean
-        for hits, value in self._samples_on(x, y):
-            mean[hits] = value
+        hits, values = self._samples_on(x, y)
+        mean[hits] = values
         return mean
 
     def mean_and_variance(self, x: np.ndarray, y: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -60,8 +60,8 @@ class KrigingSystem:
             return values
         mean, variance = on_grid(at, x, y, self._variogram.scale_m / math.sqrt(2.0))  # of two decays' product
         np.maximum(variance, 0.0, out=variance)
-        for hits, value in self._samples_on(x, y):
-            mean[hits], variance[hits] = value, 0.0
+        hits, values = self._samples_on(x, y)
+        mean[hits], variance[hits] = values, 0.0
         return mean, variance
 
     def _solve(self, right: np.ndarray) -> np.ndarray:
@@ -101,10 +101,11 @@ class KrigingSystem:
         reduced *= self._inverse_pivots[:, None, None]
         return self._variogram.sill - fold(reduced) + missing * missing / self._ones
 
-    def _samples_on(self, x: np.ndarray, y: np.ndarray) -> Iterator[Tuple[Tuple[np.ndarray, np.ndarray], float]]:
-        """Yield (indices of the grid, value) of each sample: at its own place gamma is 0, not the nugget."""
-        for point, value in zip(self._points, self._values):
-            yield np.ix_(np.abs(y - point[1]) < COINCIDENT, np.abs(x - point[0]) < COINCIDENT), value
+    def _samples_on(self, x: np.ndarray, y: np.ndarray) -> Tuple[Tuple[np.ndarray, np.ndarray], np.ndarray]:
+        """Return (indices of the grid, values) of the samples on it: at its own place gamma is 0, not the nugget."""
+        on_y, on_x = (np.abs(line - self._points[:, axis, None]) < COINCIDENT for line, axis in ((y, 1), (x, 0)))
+        there = on_y.any(axis=1) & on_x.any(axis=1)
+        return (on_y.argmax(axis=1)[there], on_x.argmax(axis=1)[there]), self._values[there]
 
 
 def _factorise(matrix: np.ndarray, least_pivot: float) -> Tuple[np.ndarray, np.ndarray]:

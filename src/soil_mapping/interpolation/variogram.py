@@ -11,6 +11,7 @@ variogram on every computer.
 """
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple, Tuple
 
 import numpy as np
@@ -69,6 +70,7 @@ def fit(points: np.ndarray, values: np.ndarray, extent: float) -> Variogram:
     return Variogram(sill * (1.0 - nugget), float(ranges[best]), sill * nugget)
 
 
+@functools.lru_cache(maxsize=None)
 def _prior() -> np.ndarray:
     """Return the logarithm of the prior of each candidate (range, share of the nugget), except for a constant."""
     offset: Any = (log(np.array(RANGES)) - log(USUAL_RANGE)) / USUAL_SPREAD

@@ -21,6 +21,7 @@ from move_base_abstract_ros.process.clock_watch import watch_clock
 from move_base_abstract_ros.process.node_process import parse_no_arguments, tell_error
 from move_base_abstract_ros.process.process_end import ProcessEnd
 from move_base_abstract_ros.replacing import rospy_start
+from move_base_abstract_ros.replacing.bulk_registration import bulk_registration
 from move_base_abstract_ros.replacing.log_files import survive_full_disk
 from move_base_abstract_ros.time_master_client import TimeMasterClient
 from soil_mapping.config import TrialConfig
@@ -111,8 +112,10 @@ def run_mission(coordinator: Any, names: Any, task: Any, pose_topic: Any, stopwa
     if participant is None:
         watch_clock()
     events: Any = queue.Queue()  # made after joining, so that lockstep handles its locks
-    robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
-    views = Views(coordinator, rospy.get_param('~variance_frame', 'map'))
+    frame = rospy.get_param('~variance_frame', 'map')
+    with bulk_registration():
+        robots = [RobotLink(index, name, task, pose_topic, events) for index, name in enumerate(names)]
+        views = Views(coordinator, frame)
 
     def show() -> None:
         with stopwatch.phase('maps'):

@@ -81,7 +81,7 @@ def _clock(spec: Any, event_log: Any) -> Any:
         return {'mode': 'scaled', 'factor': float(spec.factor)}
     # It ends in the round in which the coordinator leaves. A later end would depend on the wall clock.
     return {'mode': 'lockstep', 'participants': ['/fleet', '/task_server', '/' + NODE], 'on_death': 'end',
-            'end_with': ['/' + NODE],
+            'end_with': ['/' + NODE], 'cores': 'all',  # trials run side by side, and the coordinator computes for long
             'speed_limit': float(spec.limit), 'event_log': str(event_log)}
 
 

@@ -93,6 +93,7 @@ def test_nothing_is_rounded_in_what_blas_sums():
     """The greatest numbers that may come, all of one sign: every partial sum is a whole number below 2^53."""
     ones = np.ones((1, arithmetic.MOST_TERMS))
     high, low = arithmetic.slices(ones * (1.0 - 2.0**-23))
+    high, low = high * arithmetic.SLICE, low * arithmetic.SLICE ** 2
     assert (high, low) == (pytest.approx(arithmetic.SLICE), pytest.approx(-arithmetic.SLICE / 2.0))
     greatest = float(np.abs(high).max())
     assert arithmetic.MOST_TERMS * greatest * greatest <= 2.0**53
