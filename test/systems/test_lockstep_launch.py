@@ -256,6 +256,8 @@ class LaunchTest(OwnPackage, unittest.TestCase):
                             (('--onlooker', '/x', SYSTEM), 'no node of this'),
                             (('--replace', 'a/b=c', SYSTEM), "a/b: got 'c'; allowed: PACKAGE/TYPE, such as"),
                             (('--chaos-delay', '1', SYSTEM), "need a 'chaos_seed'"),
+                            (('--param', '/time_master/event_log=3', SYSTEM), 'event_log: got 3; allowed: the path'),
+                            (('--param', '/time_master/participants=[1]', SYSTEM), 'participants[0]: got 1; allowed'),
                             (('--network', 'nofile', SYSTEM), 'cannot be read: No such file or directory\n')):
             done = self.run_it(*words, 'bag:=x')
             self.assertEqual(done.returncode, 2, done.stdout)

@@ -12,6 +12,7 @@ from roslaunch import substitution_args
 from roslaunch.loader import convert_value
 
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.kinds import list_of, string, text
 from move_base_abstract.common.options import options_of
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
@@ -328,6 +329,7 @@ def _add_time_master(config, found, options):
     if _value(config, '/use_sim_time', None) is False:
         notes.append('/use_sim_time is true, not false')
     named = _named(config)
+    _checked(config, 'event_log', string('the path of a file, or nothing'), '')
     taking = [role.name for role in found if role.takes_part]
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
     _set(config, '/use_sim_time', True)
@@ -350,7 +352,15 @@ def _reverse(config, taking):
 
 def _named(config):
     """Return the full names of the participants that the launch file names. Something else may start them."""
-    return [rosgraph.names.ns_join('/', name) for name in _value(config, TIME_MASTER + '/participants', [])]
+    named = _checked(config, 'participants', list_of(text(), 'a list of names of nodes'), [])
+    return [rosgraph.names.ns_join('/', name) for name in named]
+
+
+def _checked(config, name, kind, default):
+    """Return a parameter of the time master that the launch file gives; it must be of this Kind."""
+    key = '{}/{}'.format(TIME_MASTER, name)
+    kind.check(key, _value(config, key, default))
+    return _value(config, key, default)
 
 
 def _value(config, key, default):
