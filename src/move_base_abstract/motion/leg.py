@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, Optional, Tuple
 
 from ..common.units import seconds_to_ns
 from .geometry import Pose2D, normalize_angle
@@ -91,14 +91,13 @@ class Leg(Motion):
     each of the three phases lasts a whole number of nanoseconds.
     """
 
-    __slots__ = ('_limits', '_course', '_first_turn', '_last_turn', '_drive_ns', '_last_turn_ns')
+    __slots__ = ('_limits', '_turns')
 
     def __init__(self, start: Pose2D, goal: Pose2D, limits: MotionLimits, tolerances: Tolerances = Tolerances(),
                  depart_ns: int = 0) -> None:
         dx, dy = goal.x - start.x, goal.y - start.y
         gap = math.hypot(dx, dy)
         self.distance = distance = gap if tolerances.xy == 0.0 < gap else left_to_drive(gap, tolerances.xy)
-        self._course = math.atan2(dy, dx) if distance > 0.0 else start.yaw
         self.start = start
         self._limits = limits
         self._kept = None
@@ -107,17 +106,19 @@ class Leg(Motion):
             seconds = distance / limits.max_speed
         else:
             seconds = trip(distance, limits.max_speed, limits.acceleration)[2]
-        if limits.turn_rate == _INF and tolerances.yaw == 0.0:  # most legs: their turns take no time
-            self.end = goal if 0.0 < distance == gap < _INF else self._end_pose(goal, gap, goal.yaw)
-            self._drive_ns = depart_ns
-            self._last_turn_ns = self.arrive_ns = depart_ns + seconds_to_ns(seconds)
+        # the course of the drive, the turn before it and the turn after it [rad]; None: the turns take no time
+        self._turns: Optional[Tuple[float, float, float]] = None
+        if 0.0 < distance == gap < _INF == limits.turn_rate and tolerances.yaw == 0.0:  # most legs
+            self.end = goal
+            self.arrive_ns = depart_ns + seconds_to_ns(seconds)
             return
-        self._first_turn = normalize_angle(self._course - start.yaw)
-        self._last_turn = turn_within(normalize_angle(goal.yaw - self._course), tolerances.yaw)
-        self.end = self._end_pose(goal, gap, goal.yaw if tolerances.yaw == 0.0 else self._course + self._last_turn)
-        self._drive_ns = depart_ns + seconds_to_ns(abs(self._first_turn) / limits.turn_rate)
-        self._last_turn_ns = self._drive_ns + seconds_to_ns(seconds)
-        self.arrive_ns = self._last_turn_ns + seconds_to_ns(abs(self._last_turn) / limits.turn_rate)
+        course = math.atan2(dy, dx) if distance > 0.0 else start.yaw
+        first = normalize_angle(course - start.yaw)
+        last = turn_within(normalize_angle(goal.yaw - course), tolerances.yaw)
+        self._turns = course, first, last
+        self.end = self._end_pose(goal, gap, goal.yaw if tolerances.yaw == 0.0 else course + last)
+        self.arrive_ns = depart_ns + seconds_to_ns(seconds) + seconds_to_ns(abs(first) / limits.turn_rate) + (
+            seconds_to_ns(abs(last) / limits.turn_rate))
 
     def _end_pose(self, goal: Pose2D, gap: float, yaw: float) -> Pose2D:
         start = self.start
@@ -134,16 +135,18 @@ class Leg(Motion):
         return (self.start.x, self.start.y), (self.end.x, self.end.y)
 
     def _stretches(self) -> List[Placed]:
-        start, limits, distance, placed = self.start, self._limits, self.distance, []
-        if self._drive_ns > self.depart_ns:
-            rate = math.copysign(limits.turn_rate, self._first_turn)
-            placed += turn_piece(self.depart_ns, start, start.yaw, rate, 0.0)
-        if self._last_turn_ns > self._drive_ns:
-            placed += drive_pieces(self._drive_ns, [Segment(start.x, start.y, self._course, distance)],
+        start, end, limits, distance, rate = self.start, self.end, self._limits, self.distance, self._limits.turn_rate
+        course, first, last = self._turns or (start.bearing_to(end), 0.0, 0.0)
+        drive_ns = self.depart_ns + seconds_to_ns(abs(first) / rate)
+        turn_ns = self.arrive_ns - seconds_to_ns(abs(last) / rate)
+        placed: List[Placed] = []
+        if drive_ns > self.depart_ns:
+            placed += turn_piece(self.depart_ns, start, start.yaw, math.copysign(rate, first), 0.0)
+        if turn_ns > drive_ns:
+            placed += drive_pieces(drive_ns, [Segment(start.x, start.y, course, distance)],
                                    speed_profile(distance, limits.max_speed, limits.acceleration), 0.0)
-        if self.arrive_ns > self._last_turn_ns:
-            rate = math.copysign(limits.turn_rate, self._last_turn)
-            placed += turn_piece(self._last_turn_ns, self.end, self._course, rate, distance)
+        if self.arrive_ns > turn_ns:
+            placed += turn_piece(turn_ns, end, course, math.copysign(rate, last), distance)
         return placed
 
 
