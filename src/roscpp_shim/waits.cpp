@@ -8,6 +8,7 @@
 #include <ros/subscribe_options.h>
 #include <ros/this_node.h>
 #include <ros/topic_manager.h>
+#include <time.h>
 
 #include "delivery.h"
 #include "followed.h"
@@ -147,6 +148,24 @@ void awaitOthers(ros::CallbackQueue& queue) {
   turn().wait(wait);
 }
 
+/**
+ * @brief Wait until the node has shut down, since the run has ended in a sleep: how often a loop
+ * goes round after that is no matter of chance. A shutdown may itself wait for this thread, if it
+ * answers a service: then this gives up after a second.
+ */
+void awaitShutdown() {
+  static auto* const function = real(&::nanosleep, "nanosleep");
+  constexpr timespec kLook{0, 1'000'000};
+  constexpr int kLooks = 5000, kLooksAtShutdown = 1000;
+  for (int looks = 0, at_shutdown = 0;
+       ros::ok() && looks < kLooks && at_shutdown < kLooksAtShutdown; ++looks) {
+    at_shutdown += ros::isShuttingDown() ? 1 : 0;
+    function(&kLook, nullptr);
+  }
+}
+
+}  // namespace
+
 bool sleepUntil(Nanoseconds until) {
   Task& me = *Turn::self();
   me.has_acted = true;
@@ -157,10 +176,12 @@ bool sleepUntil(Nanoseconds until) {
   me.empty_polls = 0;
   Wait wait;
   wait.until = until;
-  return turn().wait(wait) != Woken::kEnd;
+  if (turn().wait(wait) != Woken::kEnd) {
+    return true;
+  }
+  awaitShutdown();
+  return false;
 }
-
-}  // namespace
 
 void setStoringLoops(StoringLoops is_storing) { is_storing_loop = is_storing; }
 

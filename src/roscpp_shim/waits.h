@@ -46,6 +46,13 @@ void giveWay(const char* call);
  * @return @p result. */
 int tried(int result, bool is_vain);
 
+/**
+ * @brief Sleep until an instant of simulated time [ns], or, if the run ends before, until the node
+ * has shut down.
+ * @return whether the run goes on. @pre The thread has the turn.
+ */
+bool sleepUntil(Nanoseconds until);
+
 /** @brief Sleep by the wall clock [ns]. @pre The thread has the turn. */
 void sleepWall(Nanoseconds duration);
 

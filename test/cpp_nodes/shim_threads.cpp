@@ -12,6 +12,7 @@
 #include <boost/thread.hpp>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <functional>
@@ -34,6 +35,14 @@ ros::Subscriber hear(ros::NodeHandle& node, const Teller& teller) {
                                           [&teller](const std_msgs::String::ConstPtr& message) {
                                             teller.tell("heard " + message->data);
                                           });
+}
+
+/** Prints the time after each short sleep. */
+void naps() {
+  while (ros::ok()) {
+    usleep(1000);
+    std::printf("%.3f\n", ros::Time::now().toSec());
+  }
 }
 
 /** A thread for each robot. All threads use one lock, and hold it while they sleep. */
@@ -358,6 +367,7 @@ int nodeMain(int argc, char** argv) {
       {"two_spinners", [&] { two_spinners(teller); }},
       {"hears", [&] { hears(teller); }},
       {"wall_loop", [&] { wallLoop(teller); }},
+      {"naps", [] { naps(); }},
       {"queues", [&] { queues(teller); }},
       {"looks", [&] { looks(teller); }},
       {"wall", [&] { wall(teller); }},

@@ -87,7 +87,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         program = Program('threads', own('shim_threads'), what='hears')
         run = RUNS.run([program, recorder('/told'), rate(frequency=2.0, ticks=50)], ask_why=True)
         told = [line.split(' ', 3)[3] for line in run.printed(1)]
-        self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in range(1, 51)] + ['ends'])
+        self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in [*range(1, 51), 50]] + ['ends'])
         # 50 ticks, the end, and some looks until it is known as a loop that only looks; otherwise 3 looks per message.
         self.assertLess(int(re.search(r'(\d+) leaps', run.why).group(1)), 60, run.why)
 
@@ -137,6 +137,11 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         run = RUNS.run([Program('threads', own('shim_threads'), what='wall_loop'), recorder('/told')])
         self.assertEqual((run.code, len(run.printed(1)), len(run.labels)), (0, 1, 1), (run.outputs, run.labels))
         self.assertIn('from here on its sleeps take simulated time', run.labels[0])
+
+    def test_a_sleep_in_which_the_run_ends_lasts_until_the_node_has_shut_down(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), options=['--sleep', 'simulated'], what='naps')],
+                       end_at=1.05)
+        self.assertEqual(run.printed(0), [f'{1.0 + k / 1000:.3f}' for k in [*range(1, 51), 50]], run.outputs)
 
     def stands(self, what, **parameters):
         """Check that a call that takes a second of wall time takes no simulated time and has no label.

@@ -57,10 +57,8 @@ void sleepWall(Nanoseconds duration) {
     giveWay("a sleep of no length");
     return;
   }
-  Wait wait;
   if (node().sleepsSimulated() || me.sleeps_simulated) {
-    wait.until = node().now() + duration;
-    turn().wait(std::move(wait));
+    sleepUntil(node().now() + duration);
     return;
   }
   const bool is_same = me.slept_at == node().now();
@@ -75,16 +73,17 @@ void sleepWall(Nanoseconds duration) {
   }
   if (me.slept < kPatience && me.naps < kNaps) {
     addSleep(duration);
+    Wait wait;
     wait.next_round = true;  // after the sleep it sees all that has happened at this instant
+    turn().wait(std::move(wait));
   } else {
     tell(
         "a thread sleeps by the wall clock until something happens; from here on its sleeps take "
         "simulated time (see --sleep simulated)",
         nullptr);
     me.sleeps_simulated = true;
-    wait.until = node().now() + duration;
+    sleepUntil(node().now() + duration);
   }
-  turn().wait(std::move(wait));
 }
 
 namespace {
