@@ -4,6 +4,7 @@ import time
 import unittest
 from types import SimpleNamespace
 
+from move_base_abstract.goals.events import Ended, robot_stream
 from move_base_abstract.goals.ledger import GoalLedger
 from move_base_abstract.goals.outcome import CANCELLED
 from move_base_abstract_ros.robot.action_shell import ActionShell
@@ -41,8 +42,9 @@ def shell_of_one_goal():
         _min_answer_delay=DELAY, _arrivals={}, _acceptance_wall=0.0, _outbox=Sent(), _has_told_end=False,
         _packed=(None, b''), _status=Topic('status'), _result=Topic('result'),
         _clock=SimpleNamespace(lock=threading.RLock(), simulation=SimpleNamespace(now_ns=0)))
-    shell._ledger = GoalLedger(
-        shell.publish_status, lambda record, at_ns: shell.publish_result(record, b'', at_ns), str)
+    stream = robot_stream()
+    stream.subscribe('clients', {Ended: lambda event: shell.publish_result(event, b'', event.time_ns)})
+    shell._ledger = GoalLedger('bot', stream, SimpleNamespace(publish_status=shell.publish_status, new_id=str))
     shell._ledger.receive('g', 0, 0)
     shell._outbox.messages.clear()
     return shell

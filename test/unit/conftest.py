@@ -50,9 +50,7 @@ class NavigatorRig(NoClient):
         self.simulation = Simulation()
         self.robot = Robot(0, 'robot_0', start, limits, tolerances)
         stream = self._stream()
-        self.ledger = GoalLedger(self.publish_status, lambda record, stamp_ns: stream.tell(Ended(
-            stamp_ns, 'robot_0', 'ended', record.goal_id, record.state.name, record.text, record.stamp_ns,
-            record.state)), self.new_id)
+        self.ledger = GoalLedger('robot_0', stream, self)
         frames = RobotFrames(self.robot, 'map', 'odom', 'base_link', self._lookup, lambda: seconds_to_ns(patience))
         self.navigator = Navigator(self.robot, self.simulation, self.ledger, frames, stream, self,
                                    StraightLinePlanner(bounds), bad_frame_policy, recovery_policy,

@@ -48,6 +48,28 @@ def test_what_is_scheduled_meanwhile_happens_in_its_place():
     assert trace.queue.next_due_ns() == 100
 
 
+def test_what_is_told_at_the_end_of_an_instant_comes_in_the_place_of_an_event_that_is_scheduled_then():
+    trace = Trace()
+    tell = trace.queue.tell_at_end(7, lambda item: trace.lines.append((item,)))
+
+    def happen(due_ns, _now_ns):
+        tell('first')
+        trace.schedule(due_ns, 8, 'above')
+        trace.schedule(due_ns, 7, 'second')
+        trace.schedule(due_ns, 7, 'cancelled').cancel()
+        tell('third')
+        trace.schedule(due_ns, 6, 'below')
+
+    trace.queue.schedule(5, 0, happen)
+    trace.schedule(5, 7, 'scheduled before')
+    assert trace.run(9) == [(5, 9, 6, 'below'), (5, 9, 7, 'scheduled before'), ('first',), (5, 9, 7, 'second'),
+                            ('third',), (5, 9, 8, 'above')]
+    trace.schedule(9, 7, 'cancelled').cancel()
+    assert not trace.queue.is_busy()
+    tell('between runs')
+    assert trace.queue.is_busy() and trace.run(9) == [('between runs',)] and not trace.queue.is_busy()
+
+
 def test_what_is_scheduled_for_the_present_instant_comes_among_the_other_events_of_that_instant():
     trace = Trace()
 

@@ -4,6 +4,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import Ended, robot_stream
 from move_base_abstract.goals.ledger import GoalLedger
 from move_base_abstract.goals.outcome import CANCELLED, NODE_KILLED, REACHED, GoalState, aborted
 
@@ -20,13 +22,18 @@ class Desk:
     def __init__(self):
         self.now_ns = 0
         self.trace = []
-        self.ledger = GoalLedger(self._status, self._result, 'made-up-{}'.format)
+        stream = robot_stream()
+        stream.subscribe('trace', {Ended: self._result})
+        self.ledger = GoalLedger('bot', stream, self)
 
-    def _status(self):
+    def publish_status(self):
         self.trace.append(('status', self.listed()))
 
-    def _result(self, record, stamp_ns):
-        self.trace.append(('result', record.goal_id, record.state.name, record.text, stamp_ns))
+    def new_id(self, now_ns):
+        return 'made-up-{}'.format(now_ns)
+
+    def _result(self, event):
+        self.trace.append(('result', event.goal_id, event.state.name, event.text, event.time_ns))
 
     def listed(self, now_ns=None):
         records = self.ledger.records(self.now_ns if now_ns is None else now_ns)
@@ -162,7 +169,7 @@ def test_a_goal_that_never_ran_leaves_the_list_after_five_seconds(desk):
 
 
 def test_a_list_may_keep_goals_for_another_time():
-    ledger = GoalLedger(lambda: None, lambda record, stamp_ns: None, str, keep_ns=10)
+    ledger = GoalLedger('bot', robot_stream(), NoClient('bot'), keep_ns=10)
     for now_ns, goal_id in ((1, 'a'), (2, 'b')):
         ledger.receive(goal_id, 0, now_ns)
     assert [[record.goal_id for record in ledger.records(now_ns)] for now_ns in (12, 13)] == [['a', 'b'], ['b']]

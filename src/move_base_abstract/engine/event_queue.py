@@ -2,9 +2,10 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from heapq import heapify, heappop, heappush, heapreplace
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, List, Optional, Tuple
 
 if TYPE_CHECKING:
     from .simulation import Simulation
@@ -48,6 +49,7 @@ NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
 
 #: added to the places of series of output, so that they come after all other events of an instant and robot
 _OUTPUT = 1 << 62
+_NO_INDEX = 1 << 62  # above those of all robots
 _FEWEST_SWEPT = 4096  # with fewer entries the queue is not searched for cancelled ones
 
 
@@ -58,12 +60,16 @@ class EventQueue:
     on when somebody began to listen.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, now_ns: int = -1) -> None:
         # Of (due_ns, robot index, number, Event): tuples, because tuples are compared fastest.
         self._heap: List[_Entry] = []
         # A second heap, of what is due at the instant that is happening: it is short, so it is fast.
         self._soon: List[_Entry] = []
-        self._instant_ns = -1  # the instant of the event that has happened last
+        # A third queue, of what comes at its end: items to be told and events, as they came; see tell_at_end().
+        self._ends: Deque[Any] = deque()
+        self._end_index = _NO_INDEX
+        self._tell_end: Callable[[Any], object] = self._ends.append
+        self._instant_ns = now_ns  # the instant of the event that has happened last, or up to which all has happened
         self._sweep_at = _FEWEST_SWEPT
         self._sequence = 0
         #: whether any event was ever scheduled with ``keeps_going``
@@ -79,6 +85,19 @@ class EventQueue:
             self._guards.pop(robot_index, None)
         else:
             self._guards[robot_index] = break_off
+
+    def tell_at_end(self, robot_index: int, tell: Callable[[Any], object]) -> Callable[[Any], None]:
+        """Return a function that takes an item, for which ``tell(item)`` is called at the end of the present instant.
+
+        That is where an event of ``robot_index`` would happen that is scheduled now. A queue has one such function.
+        """
+        self._end_index, self._tell_end = robot_index, tell
+        return self._ends.append
+
+    @property
+    def is_ending(self) -> bool:
+        """Whether anything is still to be told at the end of the present instant."""
+        return any(not isinstance(item, Event) or item.action is not None for item in self._ends)
 
     def new_output_place(self) -> int:
         """Return the place of a new series of output, among the events of one instant and robot."""
@@ -123,7 +142,10 @@ class EventQueue:
                 place = output.place  # type: ignore[assignment]
         event.action = action
         if due_ns <= self._instant_ns:
-            heappush(self._soon, (due_ns, robot_index, place, event))
+            if robot_index == self._end_index:
+                self._ends.append(event)
+            else:
+                heappush(self._soon, (due_ns, robot_index, place, event))
             return event
         if len(self._heap) >= self._sweep_at:
             self._sweep()
@@ -157,7 +179,7 @@ class EventQueue:
             event = entry[3]
             if event.action is not None and (event.keeps_going is None or event.keeps_going()):
                 return True
-        return False
+        return self.is_ending
 
     def is_for_onlookers(self) -> bool:
         """Return whether there are events, but time goes on for none of them alone, or only for onlookers.
@@ -182,12 +204,16 @@ class EventQueue:
         ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. If
         ``until_ns`` is None, this goes on as long as the queue :meth:`is_busy`.
         """
-        later, soon, end_ns, entered_ns = self._heap, self._soon, math.inf if until_ns is None else until_ns, None
-        while later or soon:
+        later, soon, ends, entered_ns = self._heap, self._soon, self._ends, None
+        end_ns = math.inf if until_ns is None else until_ns
+        while later or soon or ends:
             heap = soon if soon and (not later or soon[0] < later[0]) else later
+            if ends and not (heap and heap[0][:2] <= (present.now_ns, self._end_index)):
+                self._take_end(present.now_ns, present.now_ns if instant_by_instant else until_ns)
+                continue
             due_ns, robot_index, _, event = heap[0]
             if due_ns > end_ns:
-                return
+                break
             action = event.action
             if action is None:  # cancelled
                 heappop(heap)
@@ -198,7 +224,8 @@ class EventQueue:
             event.action = None
             entered_ns = due_ns
             if heap is later:
-                self._instant_ns = due_ns
+                if due_ns > self._instant_ns:
+                    self._instant_ns = due_ns
                 if due_ns > present.now_ns:
                     present.now_ns = due_ns
             try:
@@ -208,6 +235,16 @@ class EventQueue:
                 if break_off is None:
                     raise
                 break_off(error)
+        if until_ns is not None and until_ns > self._instant_ns:
+            self._instant_ns = until_ns
+
+    def _take_end(self, due_ns: int, now_ns: Any) -> None:
+        item = self._ends.popleft()
+        if not isinstance(item, Event):
+            self._tell_end(item)
+        elif item.action is not None:
+            action, item.action = item.action, None
+            action(due_ns, now_ns)
 
     def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
         """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series of output, before ``end_ns``.

@@ -14,7 +14,7 @@ class Simulation:
 
     def __init__(self, now_ns: int = 0, on_fault: Callable[[str, BaseException], object] = log_fault) -> None:
         """``on_fault(who, error)`` is called for unexpected errors that ended a goal."""
-        self.queue = EventQueue()
+        self.queue = EventQueue(now_ns)
         self._on_fault = on_fault
         #: the simulated time [ns]: that of the event that is happening, otherwise that up to which all has happened
         self.now_ns = now_ns
@@ -54,7 +54,7 @@ class Simulation:
 
     def next_due_ns(self) -> Optional[int]:
         """Return when the next event is due [ns], or None if there is none."""
-        return self.queue.next_due_ns()
+        return self.now_ns if self.queue.is_ending else self.queue.next_due_ns()
 
     def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
         """Foresee as :meth:`EventQueue.foresee` does."""

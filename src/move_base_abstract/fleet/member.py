@@ -121,7 +121,7 @@ class Member:
 
         :raises ConfigurationError: if an argument is of a wrong type.
         """
-        now_ns = self._now_ns()
+        now_ns = self._fleet.simulation.now_ns if self._is_there else self._now_ns()  # a call less
         if not type(x) is type(y) is type(yaw) is float:
             x, y, yaw = as_float(x, 'x'), as_float(y, 'y'), as_float(yaw, 'yaw')
         if not type(goal_id) is type(frame) is str:

@@ -11,8 +11,8 @@ from ..faults.buggify import Buggifying
 from ..faults.condition import Condition
 from ..faults.failing import Failing
 from ..faults.failures import ABORT, Failures
-from ..goals.events import Beyond, Ended, GoalTaken, new
-from ..goals.ledger import GoalLedger, GoalRecord
+from ..goals.events import Beyond
+from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
 from ..maps.planning import StraightLinePlanner
 from ..maps.travel_matrix import MatrixPlanner
@@ -60,7 +60,7 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
                   CornerLaw(values['corners']), settings.phases, remembered_legs, settings.original)
     frames = RobotFrames(robot, values['global_frame'], settings.odom_frame,
                          settings.frame(values['robot_base_frame']), lookup, patience_ns)
-    ledger = _make_ledger(name, stream, client, seconds_to_ns(values['status_list_timeout']))
+    ledger = GoalLedger(name, stream, client, seconds_to_ns(values['status_list_timeout']))
     planner = planner or make_planner(settings)
     durations = _durations(settings, name, planner, stream)
     navigator = Navigator(robot, simulation, ledger, frames, stream, client, planner,
@@ -80,24 +80,6 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
         battery = Battery(settings.battery, robot, navigator, simulation, tuple(zones), stream)
     meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
     return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)))
-
-
-def _make_ledger(name: str, stream: Stream, client: GoalClient, keep_ns: int) -> GoalLedger:
-    """Return the GoalLedger of the robot ``name``, which tells ``stream`` of the goals."""
-    hearers = stream.hearers
-
-    def tell_goal(record: GoalRecord, now_ns: int) -> None:
-        hear = hearers.get(GoalTaken)
-        if hear is not None:
-            hear(new(GoalTaken, (now_ns, name, 'goal', record.goal_id)))
-
-    def tell_end(record: GoalRecord, stamp_ns: int) -> None:
-        hear = hearers.get(Ended)
-        if hear is not None:
-            state = record.state
-            hear(new(Ended, (stamp_ns, name, 'ended', record.goal_id, state._name_, record.text, record.stamp_ns,
-                             state)))
-    return GoalLedger(client.publish_status, tell_end, client.new_id, keep_ns, tell_goal)
 
 
 def _durations(settings: RobotSettings, name: str, planner: StraightLinePlanner,

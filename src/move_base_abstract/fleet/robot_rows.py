@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, Dict, Type
 
-from ..goals import task_events, traffic_events  # noqa: F401  # they add their events to WRITTEN
 from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Recorded, Stands, motion_of
+from ..goals.task_events import TaskEnded
 from ..goals.traffic_events import Entered, Left
 from ..runs.trace import Rows
 
@@ -35,7 +35,8 @@ def row_hearers(take: Take, with_motion: bool = False) -> Dict[Type[Any], Take]:
 
     return {**{event: hear if hasattr(event, 'row') else plain(kinds[0].kind) for event, kinds in WRITTEN.items()
                if with_motion or not kinds[0].is_motion},
-            **dict.fromkeys((GoalTaken, Departed, Stands, Entered, Left), take), Ended: lambda event: take(event[:6])}
+            **dict.fromkeys((GoalTaken, Departed, Stands, Entered, Left), take),
+            **dict.fromkeys((Ended, TaskEnded), lambda event: take(event[:6]))}
 
 
 def write(stream: Stream, name: str, take: Take, with_motion: bool = False) -> None:

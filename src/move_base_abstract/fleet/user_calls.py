@@ -36,17 +36,18 @@ class UserCalls:
             if given is not None:
                 check_function(given, call)
         self._simulation = simulation
-        self._on_event = on_event
-        self._hears = {kind: self._teller(listener)  # shared by all robots
-                       for kind, listener in ((Ended, on_end), (TaskEnded, on_worked)) if listener is not None}
+        self._on_event: Any = on_event
+        self._listeners = {kind: listener for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
+                           if listener is not None}
+        self._tell_later = simulation.queue.tell_at_end(_USER_INDEX, self._tell_now)
         self._has_warned = False  # whether the user was warned of a goal outside the ranges of its calibration
 
     def subscribe(self, stream: Stream, with_motion: bool) -> None:
         """Call the user's functions for the events of a robot's ``stream`` (Stream): ``on_event`` before the others."""
         if self._on_event is not None:
-            write(stream, 'users', self._tell_event, with_motion)
+            write(stream, 'users', self._tell_later, with_motion)
         stream.subscribe('shown', {Beyond: self._warn_of_beyond})
-        stream.subscribe('users', self._hears)
+        stream.subscribe('users', dict.fromkeys(self._listeners, self._tell_later))
 
     def at(self, time_ns: int, call: Callable[[int, int], Any]) -> None:
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which must not be past."""
@@ -55,22 +56,16 @@ class UserCalls:
     def tell(self, row: Row) -> None:
         """Call the user's ``on_event`` for a row that belongs to no robot's stream."""
         if self._on_event is not None:
-            self._tell_event(row)
+            self._tell_later(row)
 
-    def _tell_event(self, row: Row) -> None:
-        """Call ``on_event`` for a row of the trace, at the end of its instant, when all that belongs to it is over."""
-        on_event: Any = self._on_event
-        self.at(max(row[0], self._simulation.now_ns), lambda _due_ns, _now_ns: on_event(*as_entries([row])))
-
-    def _teller(self, listener: OnEnd) -> Callable[[Any], None]:
-        """Return a function that has ``listener`` called for the end of a goal or a task, at the end of its instant."""
-        simulation = self._simulation
-
-        def tell_end(event: Any) -> None:
-            def call(_due_ns: int, _now_ns: int) -> None:
-                listener(event.robot, event.goal_id, event.state, event.text, simulation.now_ns)
-            simulation.queue.schedule(max(event[0], simulation.now_ns), _USER_INDEX, call)
-        return tell_end
+    def _tell_now(self, item: Any) -> None:
+        """Make the call for ``item``: an Ended or TaskEnded, or a row of the trace."""
+        listener = self._listeners.get(type(item))
+        if listener is not None:
+            _, robot, _, goal_id, _, text, _, state = item
+            listener(robot, goal_id, state, text, self._simulation.now_ns)
+        else:
+            self._on_event(*as_entries([item]))
 
     def _warn_of_beyond(self, event: Beyond) -> None:
         if not self._has_warned:

@@ -8,9 +8,15 @@ from __future__ import annotations
 import typing
 from collections import OrderedDict
 from dataclasses import dataclass
-from typing import Callable, List, Optional
+from typing import TYPE_CHECKING, Any, List, Optional
 
+from .events import WRITTEN, Ended, GoalTaken, new
 from .outcome import REPLACED, TEXT_ACCEPTED, TEXT_ANOTHER_GOAL, TEXT_BEFORE_LAST_CANCEL, GoalState, Outcome
+from .task_events import TaskEnded
+
+if TYPE_CHECKING:
+    from ..engine.stream import Stream
+    from .client import Client
 
 _REMEMBERED_CANCELS = 1000
 
@@ -34,21 +40,22 @@ class GoalRecord:
 class GoalLedger:
     """Decides what happens to goals and cancel requests.
 
-    ``publish_status()``, unless it is None, is called after each transition, ``publish_result(record, stamp_ns)`` after
-    each ending, before the status that shows it. ``tell_goal(record, now_ns)``, unless it is None, is called for each
-    goal that is taken in, before anything else that comes of it. ``new_id(now_ns)`` returns an id for a goal that comes
-    without one. A goal that has ended stays on the list for ``keep_ns`` [ns]; the last accepted goal stays until the
-    next one comes.
+    ``stream`` (Stream of the robot's events) gets GoalTaken for each goal that is taken in, before anything else that
+    comes of it, and Ended after each ending, before ``client`` (Client) publishes the status that shows it. With
+    ``of_tasks`` it gets TaskEnded alone. A goal that has ended stays on the list for ``keep_ns`` [ns]; the last
+    accepted goal stays until the next one comes.
     """
 
-    def __init__(self, publish_status: Optional[Callable[[], object]],
-                 publish_result: Callable[[GoalRecord, int], object], new_id: Callable[[int], str],
-                 keep_ns: int = 5_000_000_000, tell_goal: Optional[Callable[[GoalRecord, int], object]] = None) -> None:
-        self._publish_status = publish_status
-        self._publish_result = publish_result
-        self._new_id = new_id
-        self._tell_goal = tell_goal
+    def __init__(self, robot_name: str, stream: Stream, client: Client, keep_ns: int = 5_000_000_000,
+                 of_tasks: bool = False) -> None:
+        self._robot_name = robot_name
+        self._hearers = stream.hearers
+        self._publish_status, self._new_id = client.publish_status, client.new_id
         self._keep_ns = keep_ns
+        self._taken: Any
+        self._ended: Any
+        self._taken, self._ended = (None, TaskEnded) if of_tasks else (GoalTaken, Ended)
+        self._kind_of_end = WRITTEN[self._ended][0].kind
         self._records: List[GoalRecord] = []
         self._current: Optional[GoalRecord] = None
         #: the record of the goal that is being worked on, or None
@@ -82,17 +89,16 @@ class GoalLedger:
         self._records = records
         record = GoalRecord(goal_id or self._new_id(now_ns), stamp_ns or now_ns, _PENDING, '', None)
         records.append(record)
-        if self._tell_goal is not None:
-            self._tell_goal(record, now_ns)
+        self._tell_taken(record, now_ns)
         if self._early_cancels and record.goal_id in self._early_cancels:
             del self._early_cancels[record.goal_id]
-            self._end(record, Outcome(GoalState.RECALLED), now_ns)
+            self.finish(Outcome(GoalState.RECALLED), now_ns, record)
             return None
         if stamp_ns and stamp_ns <= self._last_cancel_ns:
-            self._end(record, Outcome(GoalState.RECALLED, TEXT_BEFORE_LAST_CANCEL), now_ns)
+            self.finish(Outcome(GoalState.RECALLED, TEXT_BEFORE_LAST_CANCEL), now_ns, record)
             return None
         if current is not None and record.stamp_ns < current.stamp_ns:
-            self._end(record, Outcome(GoalState.RECALLED, TEXT_ANOTHER_GOAL), now_ns)
+            self.finish(Outcome(GoalState.RECALLED, TEXT_ANOTHER_GOAL), now_ns, record)
             return None
         self._accept(record, now_ns)
         return record
@@ -101,16 +107,15 @@ class GoalLedger:
         """Take in a goal whose id is on the list already; if it was cancelled before it came, it is recalled."""
         if record.state is GoalState.RECALLING:
             self._early_cancels.pop(record.goal_id, None)
-            if self._tell_goal is not None:
-                self._tell_goal(record, now_ns)
-            self._end(record, Outcome(GoalState.RECALLED), now_ns)
+            self._tell_taken(record, now_ns)
+            self.finish(Outcome(GoalState.RECALLED), now_ns, record)
         elif record.ended_ns is not None:
             record.ended_ns = now_ns
 
     def _accept(self, record: GoalRecord, now_ns: int) -> None:
         try:
             if self.active is not None:
-                self._end(self.active, REPLACED, now_ns)
+                self.finish(REPLACED, now_ns)
         finally:  # also after an error, since a goal that is neither active nor ended would be lost
             current = self._current
             if current is not None and current.ended_ns is not None:
@@ -120,12 +125,12 @@ class GoalLedger:
         if self._publish_status is not None:
             self._publish_status()
 
-    def finish(self, outcome: Outcome, stamp_ns: int) -> None:
-        """End the active goal with ``outcome`` at ``stamp_ns`` [ns]. Without an active goal this does nothing."""
-        if self.active is not None:
-            self._end(self.active, outcome, stamp_ns)
-
-    def _end(self, record: GoalRecord, outcome: Outcome, stamp_ns: int) -> None:
+    def finish(self, outcome: Outcome, stamp_ns: int, record: Optional[GoalRecord] = None) -> None:
+        """End the goal of ``record`` with ``outcome`` at ``stamp_ns`` [ns]; None: the active goal, if there is one."""
+        if record is None:
+            record = self.active
+            if record is None:
+                return
         record.state, record.text, record.ended_ns = outcome.state, outcome.text, stamp_ns
         if record is self.active:
             self.active = None
@@ -133,10 +138,22 @@ class GoalLedger:
             self._untold.append(record)
             return
         try:
-            self._publish_result(record, stamp_ns)
+            self._tell_end(record, stamp_ns)
         finally:
             if self._publish_status is not None:
                 self._publish_status()
+
+    def _tell_taken(self, record: GoalRecord, now_ns: int) -> None:
+        hear = self._hearers.get(self._taken)
+        if hear is not None:
+            hear(new(GoalTaken, (now_ns, self._robot_name, 'goal', record.goal_id)))
+
+    def _tell_end(self, record: GoalRecord, stamp_ns: int) -> None:
+        hear = self._hearers.get(self._ended)
+        if hear is not None:
+            state = record.state
+            hear(new(self._ended, (stamp_ns, self._robot_name, self._kind_of_end, record.goal_id, state._name_,
+                                   record.text, record.stamp_ns, state)))
 
     def cancel(self, goal_id: str, stamp_ns: int, now_ns: int) -> bool:
         """Take a cancel request in; return whether it cancels the active goal, which then becomes PREEMPTING.
@@ -171,7 +188,7 @@ class GoalLedger:
         untold, self._untold = self._untold, []
         for record in untold:
             record.ended_ns = now_ns
-            self._publish_result(record, now_ns)
+            self._tell_end(record, now_ns)
         if self._publish_status is not None:
             self._publish_status()
 

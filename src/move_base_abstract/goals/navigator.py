@@ -84,24 +84,24 @@ class Navigator:
 
     def receive(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
-        try:
-            self._take_in(goal_id, stamp_ns, goal, now_ns)
-        except Exception as error:  # as :func:`guarded` does, which costs more; this is called for each goal
-            self.break_off(error)
-
-    def _take_in(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         ledger = self._ledger
         if ledger.is_silent:
             self._unheard.append(partial(self.receive, goal_id, stamp_ns, goal))
             return
         starts_from_idle = ledger.active is None
-        if ledger.receive(goal_id, stamp_ns, now_ns) is None:
-            return
+        try:
+            if ledger.receive(goal_id, stamp_ns, now_ns) is not None:
+                self._starts_from_idle = starts_from_idle
+                self._work_on(goal, now_ns)
+        except Exception as error:  # as :func:`guarded` does, which costs more; this is called for each goal
+            self.break_off(error)
+
+    def _work_on(self, goal: GoalPose, now_ns: int) -> None:
+        """Begin to work on ``goal``, which the ledger has accepted."""
         if self._durations is not None:
             self._durations.next_goal()
         self.goal_number += 1
-        self._starts_from_idle = starts_from_idle
-        if not starts_from_idle or Abandoned in self._hearers:  # otherwise its end has forgotten the last goal
+        if not self._starts_from_idle or Abandoned in self._hearers:  # otherwise its end has forgotten the last goal
             self._forget_goal(now_ns)
         if self.robot.leg is not None:
             self.travel.halt(now_ns)
@@ -299,11 +299,7 @@ class Navigator:
             (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
 
     def _forget_goal(self, now_ns: int) -> None:
-        if self._agenda.events:
-            self._agenda.clear()
-        travel = self.travel
-        if travel.target is not None or travel.waits_for_release:  # a call less if it has been forgotten already
-            travel.aim(None)
+        self.travel.forget()
         if Abandoned in self._hearers:
             self._tell(Abandoned(now_ns, self.robot.name))
 

@@ -7,7 +7,6 @@ from ..runs.trace import RowKind
 from .events import written
 
 if TYPE_CHECKING:
-    from .events import Row
     from .outcome import GoalState
 
 
@@ -58,14 +57,12 @@ class TaskEnded(NamedTuple):
 
     time_ns: int
     robot: str
+    kind: str
     goal_id: str
+    state_name: str
+    text: str
     stamp_ns: int
     state: GoalState
-    text: str
-
-    def row(self) -> Row:
-        """Return its row."""
-        return (self.time_ns, self.robot, 'task_ended', self.goal_id, self.state._name_, self.text)
 
 
 class LoadChanged(NamedTuple):

@@ -40,7 +40,7 @@ class Travel:
         self._robot = robot
         self._planner = planner
         self._agenda = agenda
-        self._stream = stream
+        self._tell, self._hearers = stream.tell, stream.hearers
         self._durations = durations
         self._gate: Optional[Traveller] = None
         #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
@@ -60,9 +60,16 @@ class Travel:
         """
         self._gate = gate
 
-    def aim(self, target: Optional[Pose2D]) -> None:
-        """Set the robot's target (Pose2D, global frame); None: it has none any more."""
+    def aim(self, target: Pose2D) -> None:
+        """Set the robot's target (Pose2D, global frame)."""
         self.target = target
+        self.waits_for_release = False
+
+    def forget(self) -> None:
+        """Forget the target, and all that is to happen for it."""
+        if self._agenda.events:
+            self._agenda.clear()
+        self.target = None
         self.waits_for_release = False
 
     def _go_on(self, now_ns: int) -> None:
@@ -98,17 +105,20 @@ class Travel:
             self._navigator.refuse_to_wait(leg.arrive_ns, 'the arrival', 'are the position (m) and the speed, {:g} '
                                            'm/s, as they are meant?'.format(robot.limits.max_speed), now_ns)
             return
-        self._stream.tell(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw)))
-        if Drives in self._stream.hearers:
-            self._stream.tell(Drives(now_ns, robot.name, leg))
-        gate = self._gate
-        reason = None if gate is None else gate.departs(leg, now_ns)
+        hear = self._hearers.get(Departed)
+        if hear is not None:
+            hear(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw)))
+        if Drives in self._hearers:
+            self._tell(Drives(now_ns, robot.name, leg))
+        if self._gate is None:
+            self._await_end(leg, aside)
+            return
+        reason = self._gate.departs(leg, now_ns)
         if reason is None:
-            self._await_end(leg, aside is not None)
+            self._await_end(leg, aside)
         else:
             self._hold(reason, now_ns)
-        if gate is not None:
-            gate.settle(now_ns)
+        self._gate.settle(now_ns)
 
     def go_aside(self, reason: str, way: WayBack, now_ns: int) -> None:
         """End the hold for ``reason``, and drive by ``way`` (.corners, .goal) from where the robot stands.
@@ -123,18 +133,15 @@ class Travel:
     def _fail_to_plan(self, now_ns: int) -> None:
         refusal = self._planner.refusal_of_way(self._robot.pose_at(now_ns), self._aimed)
         if refusal:
-            self._stream.tell(Warned(now_ns, self._robot.name, refusal))
+            self._tell(Warned(now_ns, self._robot.name, refusal))
         self._navigator.give_up(now_ns)
 
-    def _await_end(self, leg: Motion, is_aside: bool) -> None:
-        if is_aside:
-            self._agenda.at(leg.arrive_ns, self._reach_aside)
-            return
-        failure_ns = None if self._durations is None else self._durations.failure_ns(leg)
-        if failure_ns is None:
-            self._agenda.at(leg.arrive_ns, self._navigator.arrive)
-        else:
+    def _await_end(self, leg: Motion, aside: Optional[Pose2D]) -> None:
+        failure_ns = None if self._durations is None or aside is not None else self._durations.failure_ns(leg)
+        if failure_ns is not None:
             self._agenda.at(failure_ns, self._fail_on_the_way)
+        else:
+            self._agenda.at(leg.arrive_ns, self._navigator.arrive if aside is None else self._reach_aside)
 
     def _reach_aside(self, due_ns: int, _now_ns: int) -> None:
         self.halt(due_ns)
@@ -196,7 +203,7 @@ class Travel:
 
     def _change_holds(self, holds: Tuple[str, ...], now_ns: int) -> None:
         self.held_for = holds
-        self._stream.tell(Held(now_ns, self._robot.name, holds))
+        self._tell(Held(now_ns, self._robot.name, holds))
 
     @guarded
     def place(self, pose: Pose2D, now_ns: int) -> None:
@@ -236,14 +243,16 @@ class Travel:
     def halt(self, now_ns: int) -> None:
         """Stop the robot, if it drives, and send the event that it stands."""
         robot = self._robot
-        if robot.leg is not None:
-            pose = robot.stop(now_ns)
-            self._stream.tell(new(Stands, (now_ns, robot.name, 'stands', pose.x, pose.y, pose.yaw)))
+        if robot.leg is None:
+            return
+        pose, hear = robot.stop(now_ns), self._hearers.get(Stands)
+        if hear is not None:
+            hear(new(Stands, (now_ns, robot.name, 'stands', pose.x, pose.y, pose.yaw)))
 
     def tell_stands(self, now_ns: int) -> None:
         """Send the event that the robot stands at its present pose, after it was put there."""
         pose = self._robot.pose_at(now_ns)
-        self._stream.tell(Stands(now_ns, self._robot.name, 'stands', pose.x, pose.y, pose.yaw))
+        self._tell(Stands(now_ns, self._robot.name, 'stands', pose.x, pose.y, pose.yaw))
 
     def break_off(self, error: Exception) -> None:
         """Clean up after an unexpected error: see :meth:`Navigator.break_off`."""

@@ -27,8 +27,8 @@ class Robot:
     New limits and tolerances (:meth:`set_motion`) take effect on the next leg. ``corner_law`` (CornerLaw): what the
     robot does at the corners of a route. ``phases`` (MotionPhases): how it begins and ends its legs, None: as a Leg
     does. ``original`` (OriginalLaw): legs take as long as in the original package, without corners, phases and
-    tolerances. ``remembered_legs``: the number of legs and stands, including the present one, whose poses can be asked
-    for.
+    tolerances. ``remembered_legs``: the number of legs, including the present one, whose poses can be asked for; a
+    stand elsewhere than at a leg's end counts as one.
     """
 
     def __init__(self, index: int, name: str, pose: Pose2D = Pose2D(), limits: MotionLimits = MotionLimits(0.5),
@@ -71,8 +71,10 @@ class Robot:
         :raises TimeError: if that is further back than the robot remembers.
         """
         motion = self._motion
-        if now_ns >= motion.depart_ns:  # the usual case
-            return motion.pose if self.leg is None else motion.pose_at(now_ns)  # type: ignore[union-attr]
+        if now_ns >= motion.arrive_ns:  # the usual case
+            return motion.end
+        if now_ns >= motion.depart_ns:
+            return motion.pose_at(now_ns)
         for motion in reversed(self._past):
             if now_ns >= motion.depart_ns:
                 return motion.pose_at(now_ns)
@@ -85,7 +87,7 @@ class Robot:
 
     def distance_at(self, now_ns: int) -> float:
         """Return the distance [m] driven up to ``now_ns`` [ns], which is not before the present leg."""
-        return self._driven + self._motion.distance_at(now_ns)
+        return self._driven if self.leg is None else self._driven + self.leg.distance_at(now_ns)
 
     def depart(self, goal: Pose2D, now_ns: int, corners: Sequence[Tuple[float, float]] = (),
                paced: Optional[Callable[[Motion], Motion]] = None) -> Motion:
@@ -120,7 +122,12 @@ class Robot:
         if paced is not None:
             leg = paced(leg)
             check_reachable(leg.arrive_ns, 'the arrival would be')
-        self._begin(leg, leg, now_ns)
+        if self.leg is not None:
+            self._driven += self.leg.distance_at(now_ns)
+        self._motion = self.leg = leg
+        self._past.append(leg)
+        if self._followers:
+            self._tell_followers(now_ns)
         return leg
 
     def stop(self, now_ns: int) -> Pose2D:
@@ -128,12 +135,13 @@ class Robot:
         leg = self.leg
         if leg is None or now_ns < leg.arrive_ns:
             pose = self.pose_at(now_ns)
-            self._begin(_Stand(pose, now_ns), None, now_ns)
-        else:  # it has arrived, the usual case: the leg need not be asked where it is now
-            pose = leg.end
-            self._driven += leg.distance
-            self._begin(_Stand(pose, now_ns), None)
-        return pose
+            self._stand(pose, now_ns, now_ns)
+            return pose
+        self._driven += leg.distance
+        self.leg = None  # it stands at the end of its leg, which answers for it from the arrival on
+        if self._followers:
+            self._tell_followers(now_ns)
+        return leg.end
 
     def halt(self, now_ns: int) -> None:
         """Stop as :meth:`stop` does, even if the leg is faulty: if it has no pose now, stand at its start.
@@ -144,18 +152,18 @@ class Robot:
             self.stop(now_ns)
         except Exception:
             if self.leg is not None:
-                self._begin(_Stand(self.leg.start, now_ns), None)
+                self._stand(self.leg.start, now_ns)
             raise
 
     def place(self, pose: Pose2D, now_ns: int) -> None:
         """Stand at ``pose`` from ``now_ns`` [ns] on, without having driven there."""
-        self._begin(_Stand(pose, now_ns), None, now_ns)
+        self._stand(pose, now_ns, now_ns)
 
     def reset(self, pose: Pose2D, now_ns: int) -> None:
         """Stand at ``pose`` as if nothing had happened before ``now_ns`` [ns]."""
         self._past.clear()
         self._driven = 0.0
-        self._begin(_Stand(pose, now_ns), None)
+        self._stand(pose, now_ns)
 
     def restart(self, before_ns: int, now_ns: int) -> None:
         """Stand from ``now_ns`` [ns] on, after a restart of the clock, where the robot was at ``before_ns`` [ns].
@@ -164,23 +172,21 @@ class Robot:
         """
         pose = self.pose_at(before_ns)
         self._past.clear()
-        self._begin(_Stand(pose, now_ns), None, before_ns)
+        self._stand(pose, now_ns, before_ns)
 
-    def _begin(self, motion: _Motion, leg: Optional[Motion],
-               driven_ns: Optional[int] = None) -> None:
-        """Go on with ``motion``, which is ``leg`` or a stand; the distance driven counts up to ``driven_ns`` [ns]."""
+    def _stand(self, pose: Pose2D, now_ns: int, driven_ns: Optional[int] = None) -> None:
+        """Stand at ``pose`` from ``now_ns`` [ns] on; the distance driven counts up to ``driven_ns`` [ns]."""
         if driven_ns is not None and self.leg is not None:
             self._driven += self.leg.distance_at(driven_ns)
-        self._motion, self.leg = motion, leg
-        self._past.append(motion)
-        if self._followers:
-            self._tell_followers(motion)
+        self._motion, self.leg = _Stand(pose, now_ns), None
+        self._past.append(self._motion)
+        self._tell_followers(now_ns)
 
-    def _tell_followers(self, motion: _Motion) -> None:
+    def _tell_followers(self, now_ns: int) -> None:
         fault = None
         for follower in self._followers:  # call each of them, whatever goes wrong in another one
             try:
-                follower(motion.depart_ns)
+                follower(now_ns)
             except Exception as error:
                 fault = fault or error
         if fault is not None:
@@ -188,22 +194,19 @@ class Robot:
 
 
 class _Stand:
-    """Standing at ``pose``, with the interface of a leg."""
+    """Standing at ``end``, with the interface of a leg that has arrived."""
 
-    __slots__ = ('depart_ns', 'pose')
+    __slots__ = ('arrive_ns', 'depart_ns', 'end')
 
-    def __init__(self, pose: Pose2D, since_ns: int) -> None:
-        self.pose = pose
-        self.depart_ns = since_ns
+    def __init__(self, end: Pose2D, since_ns: int) -> None:
+        self.end = end
+        self.depart_ns = self.arrive_ns = since_ns
 
     def pose_at(self, _now_ns: int) -> Pose2D:
-        return self.pose
+        return self.end
 
     def velocity_at(self, _now_ns: int) -> Tuple[float, float]:
         return 0.0, 0.0
-
-    def distance_at(self, _now_ns: int) -> float:
-        return 0.0
 
 
 class Reported:

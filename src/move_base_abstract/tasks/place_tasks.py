@@ -12,7 +12,7 @@ from ..engine.guard import attempt_each, fault_text, guarded
 from ..goals.events import EMPTY, ChargePassed, Departed, Failed, Stands
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, CANCELLED, CLOCK_RESTARTED, FAILED, GoalState, Outcome, aborted
-from ..goals.task_events import LoadChanged, TaskBegan, TaskEnded, TaskWaited, TaskWaits, WorksAt
+from ..goals.task_events import LoadChanged, TaskBegan, TaskWaited, TaskWaits, WorksAt
 from .arrivals import drawn_ns, some_of
 from .room import Guest, Rooms
 
@@ -43,7 +43,7 @@ class PlaceTaskRunner:
                  robot: Optional[Robot] = None, progress_frequency: float = 0.0,
                  has_failed: Callable[[], bool] = lambda: False) -> None:
         #: the GoalLedger of its goals
-        self.ledger = GoalLedger(client.publish_status, self._ended, client.new_id)
+        self.ledger = GoalLedger(robot_name, stream, client, of_tasks=True)
         self._simulation = rooms.simulation
         self._robot_index = robot_index
         self._on_progress = client.progress
@@ -230,9 +230,6 @@ class PlaceTaskRunner:
     def _tell_progress(self, due_ns: int, _now_ns: int) -> None:
         record: Any = self.ledger.active
         self._on_progress(record, self.elapsed_ns(due_ns), self._done_ns + self._duration_ns, due_ns)
-
-    def _ended(self, record: GoalRecord, stamp_ns: int) -> None:
-        self._tell(TaskEnded(stamp_ns, self._robot_name, record.goal_id, record.stamp_ns, record.state, record.text))
 
     def _end_waiting(self, now_ns: int) -> None:
         if self._waits is not None:
