@@ -25,10 +25,16 @@ class Stream:
     def subscribe(self, name: str, hears: Mapping[Type[Any], Hear]) -> None:
         """Call the functions in ``hears`` with each event of their type, in the place of ``name`` in the order."""
         for kind, hear in hears.items():
-            subscribed = self._subscribed.setdefault(kind, [])
-            subscribed.append((self._places[name], hear))
+            subscribed = [*self._subscribed.get(kind, ()), (self._places[name], hear)]
             subscribed.sort(key=lambda one: one[0])
+            self._subscribed[kind] = subscribed
             self.hearers[kind] = hear if len(subscribed) == 1 else _to_all([one[1] for one in subscribed])
+
+    def copy(self) -> Stream:
+        """Return a stream with the subscribers that this one has now: many streams share what stands for them."""
+        copied = Stream(())
+        copied._places, copied._subscribed, copied.hearers = self._places, self._subscribed.copy(), self.hearers.copy()
+        return copied
 
     def tell(self, event: Any) -> None:
         """Deliver ``event`` to all functions that have subscribed to its type.

@@ -21,6 +21,7 @@ from ..common.old_names import warn_of_old
 from ..common.units import NS_PER_S, seconds_to_ns
 from ..encounters.control import make_encounters
 from ..engine.simulation import Simulation
+from ..goals.events import robot_stream
 from ..runs.event_log_file import End, write_event_log
 from ..runs.trace import TraceEntry
 from ..scenario import Scenario, make_robot
@@ -33,6 +34,7 @@ from .user_calls import UserCalls
 
 if TYPE_CHECKING:
     from ..common.type_names import StrPath
+    from ..engine.stream import Stream
     from ..maps.occupancy import OccupancyMap
     from ..maps.planning import StraightLinePlanner
     from ..scenario import RobotSpec
@@ -79,6 +81,7 @@ class Fleet:
         self._trace = None if trace is None else _entries(trace)
         self._rows = None if trace is None else TraceRows()  # the rows of the trace that are not in self._trace yet
         self._user_calls = UserCalls(self.simulation, on_event, on_end, on_worked)
+        self._streams = [self._stream(with_motion) for with_motion in (False, True)]  # robots have copies
         self.scenario = scenario
         self._rooms = None if scenario.places is None else Rooms(self.simulation, scenario.places)
         self._planner = planner
@@ -221,6 +224,14 @@ class Fleet:
         write_event_log(path, trace, self._start_ns, End(
             self.now_ns, not self.simulation.queue.is_busy(),
             [name for name, member in self._members.items() if member.navigator.is_active]))
+
+    def _stream(self, with_motion: bool) -> Stream:
+        """Return a stream of which the trace and the user's functions hear; ``with_motion``: of all rows."""
+        stream = robot_stream()
+        if self._rows is not None:
+            self._rows.subscribe(stream, with_motion)
+        self._user_calls.subscribe(stream, with_motion)
+        return stream
 
     def _note(self, warning: FleetWarning) -> None:
         if self._trace is not None:

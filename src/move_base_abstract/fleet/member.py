@@ -11,7 +11,7 @@ from ..energy.battery import STATE_OF_CHARGE
 from ..faults.failures import KINDS, REQUEST, check_request
 from ..goals.activity import activity
 from ..goals.client import NoClient
-from ..goals.events import Warned, motion_of, new, robot_stream
+from ..goals.events import Warned, motion_of, new
 from ..goals.navigator import GoalPose
 from ..goals.outcome import ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
@@ -60,10 +60,7 @@ class Member:
         self._settings = settings
         self._is_there = True
         self._goal_numbers = itertools.count(1)
-        self._stream = robot_stream()
-        if fleet._rows is not None:
-            fleet._rows.subscribe(self._stream, values['log_motion'])
-        fleet._user_calls.subscribe(self._stream, values['log_motion'])
+        self._stream = fleet._streams[values['log_motion']].copy()
         self._stream.subscribe('shown', {Warned: self._warned})
         self._map_check = None
         if occupancy is not None and values['use_map']:
