@@ -71,7 +71,8 @@ bench: deps-bench deps-test deps-study build  ## run the benchmarks; the results
 	  $(PYTHON) bench/dense --one-core --kinds roscpp --agents 4 8 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/dense --lookahead 0.1 --kinds roscpp --agents 4 8 --rates 20/10 $(BENCH_ARGS) && \
 	  $(PYTHON) bench/run $(BENCH_ARGS) && $(PYTHON) bench/scale $(BENCH_ARGS) && \
-	  $(PYTHON) bench/world $(BENCH_ARGS) && '$(WS)/venv/bin/python' bench/plain --simpy '$(WS)/plain/bin/python' $(BENCH_ARGS)
+	  $(PYTHON) bench/world $(BENCH_ARGS) && '$(WS)/venv/bin/python' bench/plain --simpy '$(WS)/plain/bin/python' \
+	    --irsim '$(WS)/peers/bin/python' $(BENCH_ARGS)
 
 experiment: deps-experiment build  ## run a small experiment, with a report in .ws/experiment, resumable; EXPERIMENT=FILE runs another one
 	@$(ENTER) rosrun move_base_abstract experiment run '$(or $(EXPERIMENT),config/experiments/patrol.yaml)' \
