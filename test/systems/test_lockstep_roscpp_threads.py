@@ -87,7 +87,7 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
         program = Program('threads', own('shim_threads'), what='hears')
         run = RUNS.run([program, recorder('/told'), rate(frequency=2.0, ticks=50)], ask_why=True)
         told = [line.split(' ', 3)[3] for line in run.printed(1)]
-        self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in [*range(1, 51), 50]] + ['ends'])
+        self.assertEqual(told, [f'heard {k} {SECOND + k * SECOND // 2}' for k in range(1, 51)] + ['ends'])
         # 50 ticks, the end, and some looks until it is known as a loop that only looks; otherwise 3 looks per message.
         self.assertLess(int(re.search(r'(\d+) leaps', run.why).group(1)), 60, run.why)
 
