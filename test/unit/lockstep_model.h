@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -184,6 +185,7 @@ class LockstepModel {
       }
     }
     closings_.clear();
+    greeted_.clear();
     std::sort(log.begin(), log.end());
     for (const auto& [key, text] : log) {
       log_.push_back(text);
@@ -339,8 +341,10 @@ class LockstepModel {
             std::size_t subscriber) {
     post(subscriber, key(by, 0, number),
          "publisher " + std::to_string(topic) + " " + std::to_string(publisher));
-    post(publisher, key(by, 0, number),
-         "subscriber " + std::to_string(topic) + " " + std::to_string(subscriber));
+    if (greeted_.insert({publisher, topic, subscriber}).second) {  // once in a round
+      post(publisher, key(by, 0, number),
+           "subscriber " + std::to_string(topic) + " " + std::to_string(subscriber));
+    }
   }
 
   bool linked(std::uint32_t topic, std::size_t publisher, std::size_t subscriber) {
@@ -380,6 +384,7 @@ class LockstepModel {
   bool started_ = false;
   std::map<std::uint32_t, std::vector<std::size_t>> publishers_;   // by topic
   std::map<std::uint32_t, std::vector<std::size_t>> subscribers_;  // by topic
+  std::set<std::tuple<std::size_t, std::uint32_t, std::size_t>> greeted_;
   std::map<std::uint32_t, std::vector<std::pair<std::size_t, std::uint32_t>>> servers_;
   std::map<std::uint32_t, std::vector<std::size_t>> watchers_;  // by service
   std::map<std::pair<std::size_t, std::uint32_t>,
