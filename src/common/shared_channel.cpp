@@ -16,10 +16,12 @@
 #include <new>
 #include <utility>
 
+#include "libc/ask_kernel.h"
+
 namespace move_base_abstract {
 namespace {
 
-constexpr std::uint32_t kMark = 0x6d626131;  // of this layout
+constexpr std::uint32_t kMark = 0x6d626132;  // of this layout
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
 constexpr int kMostPieces = 64;    // of one merge; ours are two at most, as each has an answer
 constexpr std::size_t kLine = 64;  // bytes of a line of the processor's cache
@@ -29,24 +31,32 @@ enum State : std::uint32_t { kEmpty, kFull, kBeingTaken };
 using Number = std::atomic<std::uint32_t>;
 static_assert(Number::is_always_lock_free, "processes share these numbers");
 
-void futexWait(Number* number, std::uint32_t value, int timeout_ms) {
-  const timespec timeout{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
-  ::syscall(SYS_futex, number, FUTEX_WAIT, value, &timeout, nullptr, 0);
-}
-
-void futexWake(Number* number) {
-  ::syscall(SYS_futex, number, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
-}
-
 }  // namespace
 
-/** @brief One direction. The first line is written by both sides, the second one by the writer. */
+// ---- sleeping --------------------------------------------------------------------------------
+
+void Sleeper::call() {
+  ++calls_;
+  if (is_asleep_ != 0) {
+    askKernel(SYS_futex, reinterpret_cast<long>(&calls_), FUTEX_WAKE, INT_MAX);
+  }
+}
+
+void Sleeper::sleep(std::uint32_t seen, int timeout_ms) {
+  const timespec timeout{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
+  is_asleep_ = 1;
+  askKernel(SYS_futex, reinterpret_cast<long>(&calls_), FUTEX_WAIT, seen,
+            timeout_ms < 0 ? 0 : reinterpret_cast<long>(&timeout));
+  is_asleep_ = 0;
+}
+
+/** @brief One direction. From `after` on it is written by the writer, before that by both sides. */
 struct alignas(kLine) SharedChannel::Box {
   Number state{kEmpty};
-  Number changes{0};  // of what a reader waits for; the futex
-  Number news{0};     // wake-ups for something else than a piece
-  Number is_awaited{0};
+  Number news{0};    // wake-ups for something else than a piece
+  Number reader{0};  // the place of the thread that reads
   Number is_asleep{0};
+  std::array<Sleeper, kPlaces> sleepers;
   alignas(kLine) std::uint64_t after = 0;
   std::uint64_t size = 0;
   std::array<char, kMostBytes> bytes;
@@ -55,6 +65,7 @@ struct alignas(kLine) SharedChannel::Box {
 struct SharedChannel::Memory {
   std::uint32_t mark = kMark;
   Number is_used{0};
+  Directions directions;
   Box to_master;
   Box to_participant;
 };
@@ -109,7 +120,8 @@ bool SharedChannel::isUsed() const { return memory_->is_used != 0; }
 
 // ---- writing ---------------------------------------------------------------------------------
 
-bool SharedChannel::put(std::string_view bytes, std::uint64_t after) {
+bool SharedChannel::put(std::string_view bytes, std::uint64_t after,
+                        std::optional<std::uint32_t> topic) {
   if (bytes.size() > kMostBytes || out_->state != kEmpty || out_->is_asleep != 0) {
     return false;
   }
@@ -122,8 +134,21 @@ bool SharedChannel::put(std::string_view bytes, std::uint64_t after) {
   if (out_->is_asleep != 0 && takeBack(out_)) {
     return false;
   }
-  endWait(out_);
+  const std::uint32_t thread = threadFor(topic);
+  thread == 0 ? callReader(out_) : out_->sleepers[thread].call();
   return true;
+}
+
+/** @return the place of the thread that goes on with a grant; 0: not known. */
+std::uint32_t SharedChannel::threadFor(std::optional<std::uint32_t> topic) const {
+  const Directions& to = memory_->directions;
+  if (!topic || *topic >= to.queue_of_topic.size()) {
+    return 0;
+  }
+  const auto of_queue = [&to](std::size_t queue) -> const Directions::Number& {
+    return to.thread_of_queue[queue % to.thread_of_queue.size()];
+  };
+  return (*topic == 0 ? to.thread_at_wake : of_queue(to.queue_of_topic[*topic])) % kPlaces;
 }
 
 bool SharedChannel::takeBack(Box* box) {
@@ -133,20 +158,15 @@ bool SharedChannel::takeBack(Box* box) {
 
 void SharedChannel::wake() {
   ++out_->news;
-  endWait(out_);
+  callReader(out_);
 }
 
 void SharedChannel::wakeSelf() {
   ++in_->news;
-  endWait(in_);
+  callReader(in_);
 }
 
-void SharedChannel::endWait(Box* box) {
-  ++box->changes;
-  if (box->is_awaited != 0) {
-    futexWake(&box->changes);
-  }
-}
+void SharedChannel::callReader(Box* box) { box->sleepers[box->reader % kPlaces].call(); }
 
 // ---- reading ---------------------------------------------------------------------------------
 
@@ -172,19 +192,28 @@ std::optional<SharedChannel::Piece> SharedChannel::take(std::uint64_t end) {
   return Piece{after, taken_};
 }
 
-bool SharedChannel::wait(int timeout_ms) {
-  const std::uint32_t changes = in_->changes;
-  in_->is_awaited = 1;
+void SharedChannel::wait(int timeout_ms, Place* place) {
+  Sleeper& sleeper = in_->sleepers[place->number];
+  place->seen = place->number == 0 ? sleeper.calls() : place->seen;
+  in_->reader = place->number;
   if (!hasPiece() && in_->news == news_) {
-    futexWait(&in_->changes, changes, timeout_ms);
+    sleeper.sleep(place->seen, timeout_ms);
   }
-  in_->is_awaited = 0;
+  place->seen = sleeper.calls();
+}
+
+bool SharedChannel::takeNews() {
   const std::uint32_t before = std::exchange(news_, in_->news.load());
-  const bool has_news = news_ != before;
-  return has_news || !hasPiece();
+  return news_ != before;
 }
 
 void SharedChannel::setAsleep(bool is_asleep) { in_->is_asleep = is_asleep ? 1 : 0; }
+
+Sleeper& SharedChannel::sleeper(std::uint32_t place) {
+  return memory_->to_participant.sleepers[place];
+}
+
+Directions& SharedChannel::directions() { return memory_->directions; }
 
 // ---- descriptors over a socket ---------------------------------------------------------------
 

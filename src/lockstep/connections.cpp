@@ -40,12 +40,14 @@ ConnectionId Connections::silentStranger(Nanoseconds wall) const {
   return helloDue() <= wall && !hello_due_.empty() ? hello_due_.begin()->first : 0;
 }
 
-void Connections::send(ConnectionId id, std::string_view bytes) {
+void Connections::send(ConnectionId id, std::string_view bytes,
+                       std::optional<std::uint32_t> topic) {
   Connection* const connection = open(id);
   if (connection == nullptr) {
     return;
   }
   connection->out.append(bytes);
+  connection->topic = topic ? topic : connection->topic;
   if (!connection->listed) {
     connection->listed = true;
     outgoing_.push_back(id);
@@ -78,7 +80,8 @@ std::vector<ConnectionOutput> Connections::flush() {
     }
     Connection& connection = found->second;
     connection.listed = false;
-    outputs.push_back({id, std::move(connection.out), connection.close});
+    outputs.push_back({id, std::move(connection.out), connection.close,
+                       std::exchange(connection.topic, std::nullopt)});
     connection.out.clear();
     if (connection.close) {
       connections_.erase(found);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,8 @@ using ConnectionId = std::uint64_t;
 struct ConnectionOutput {
   ConnectionId connection;
   std::string bytes;
-  bool close;  // after the bytes are sent; the connection is then forgotten
+  bool close;                          // after the bytes are sent; the connection is then forgotten
+  std::optional<std::uint32_t> topic;  // see Connections::send()
 };
 
 /** @brief A connection, as far as a session knows it. */
@@ -32,6 +34,7 @@ struct Connection {
   MemberId member = 0;  // 0: no HELLO yet
   std::string out;
   bool close = false;
+  std::optional<std::uint32_t> topic;
   bool listed = false;  // has something to be sent
 };
 
@@ -56,7 +59,11 @@ class Connections {
   MemberId memberOf(ConnectionId id) const;
   bool contains(ConnectionId id) const { return connections_.count(id) != 0; }
 
-  void send(ConnectionId id, std::string_view bytes);
+  /**
+   * @param topic for a grant: the participant's number of the topic of its first message; 0: it has
+   * no mail. By it a thread of the participant is woken.
+   */
+  void send(ConnectionId id, std::string_view bytes, std::optional<std::uint32_t> topic = {});
   /** @brief Send END with @p reason, then close the connection. */
   void close(ConnectionId id, const std::string& reason, bool as_wished = false);
   void closeAll(const std::string& reason, bool as_wished);

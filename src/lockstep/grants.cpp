@@ -3,7 +3,10 @@
 #include "grants.h"
 
 #include <cstddef>
+#include <optional>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "clock/number_text.h"
 
@@ -12,6 +15,15 @@ namespace {
 
 constexpr std::size_t kMostItems = wire::kLargestFrame - 64;  // bytes; the rest is the grant's own
 constexpr std::size_t kKeptGrant = 4096;  // bytes, to show the latest grant of a silent participant
+
+/** @return the topic by which a thread of the receiver is woken; see Connections::send(). */
+std::optional<std::uint32_t> topicOf(const std::vector<Mail>& mail) {
+  if (mail.empty()) {
+    return 0;
+  }
+  const auto* const first = std::get_if<wire::Deliver>(&mail.front().item);
+  return first == nullptr ? std::nullopt : std::optional<std::uint32_t>(first->topic);
+}
 
 }  // namespace
 
@@ -62,7 +74,8 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
   member.silence_told = false;
   member.granted.assign(items, 0, items.size() <= kKeptGrant ? items.size() : 0);
   run_.connections.send(member.connection,
-                        wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items));
+                        wire::encodeGrant({grant.round, grant.time, grant.microstep, {}}, items),
+                        topicOf(grant.mail));
 }
 
 ConnectionId Grants::lastAwaited() {

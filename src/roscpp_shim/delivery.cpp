@@ -115,6 +115,10 @@ void noteSubscription(Topic& topic, const ros::SubscribeOptions& options) {
     addAwaited(queue);  // a class of the program's, which may act at once
   }
   topic.queues.push_back(queue);
+  SharedChannel* const channel = node().membership().channel();
+  if (channel != nullptr && topic.number < channel->directions().queue_of_topic.size()) {
+    channel->directions().queue_of_topic[topic.number] = Turn::numberOf(queue);
+  }
   tell(topic);
 }
 

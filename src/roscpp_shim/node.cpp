@@ -119,8 +119,41 @@ void Node::onEnd() {
 
 // ---- rounds ----------------------------------------------------------------------------------
 
-void Node::exchange() {
+/** @return the calling thread's place; before there are turns, none. */
+Place* Node::place() {
+  static Place none;
+  return Turn::self() == nullptr ? &none : &Turn::self()->place;
+}
+
+bool Node::beginLook() {
+  look_.lock();
+  return turn().acts();
+}
+
+bool Node::takeGrant() {
+  {
+    const Lock lock(look_);
+    if (!membership_.isOffered()) {
+      return false;
+    }
+    turn().act();
+  }
+  return exchange();
+}
+
+bool Node::exchange() {
   const Inside inside;
+  const bool has_grant =
+      membership_.exchange(membership_.hasTurn() ? wish() : lockstep::internal::Wish());
+  // The grant brought nothing, and was for nothing else.
+  if (has_grant && awaits_rest_ && membership_.isPlainGrant()) {
+    rest_round_ = round();
+  }
+  return has_grant;
+}
+
+/** @return the content of a report besides its actions. */
+lockstep::internal::Wish Node::wish() {
   lockstep::internal::Wish wish;
   wish.next = turn().nextWake();
   for (std::size_t kind = 0; kind < kTimerKinds; ++kind) {
@@ -133,28 +166,27 @@ void Node::exchange() {
   wish.open = static_cast<std::uint32_t>(open_.size() + threads.owed.size());
   wish.idle = static_cast<std::uint32_t>(threads.work.size());
   wish.waits = wish.next == kNever ? waits(threads) : "";
-  const bool is_resting = turn().isResting() && membership_.hasTurn();
+  const bool is_resting = turn().isResting();
   if (is_resting) {
     append(wire::Rest{});
   }
-  if (onlyRecords() && wish.next > now() && wish.next != kNever && membership_.hasTurn()) {
+  awaits_rest_ = is_resting && wish.next > now();
+  if (onlyRecords() && wish.next > now() && wish.next != kNever) {
     append(wire::Background{});  // it looks for new topics; if no other node acts, there are none
   }
-  const Nanoseconds before = now();
   keepUnread();
   parameters().reported();
-  membership_.exchange(wish);
-  // The grant brought nothing, and was for nothing else.
-  if (is_resting && membership_.isPlainGrant() && wish.next > before) {
-    rest_round_ = round();
+  if (SharedChannel* const channel = membership_.channel()) {
+    turn().direct(wish.next, &channel->directions());
   }
+  return wish;
 }
 
 /** @brief Give a thread that looks again with any grant the grants that it would have if no
  * messages were kept. */
 void Node::keepUnread() {
   const Nanoseconds first = keepsUnread() ? turn().firstLook() : kNever;
-  if (first != kNever && membership_.hasTurn()) {
+  if (first != kNever) {
     append(wire::KeepUntil{first});
   }
 }

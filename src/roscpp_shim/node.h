@@ -50,8 +50,14 @@ class Node : public lockstep::internal::Program {
   /** @brief Leave the run. From any thread. */
   void leave(const std::string& reason);
 
-  /** @brief Report, and wait for a grant. @pre All threads of the program wait. */
-  void exchange();
+  /**
+   * @brief Report, and wait for a grant. @pre All threads of the program wait.
+   * @return false if another thread waits for it by now, or has it.
+   */
+  bool exchange();
+  /** @brief If a grant has come, take it, although another thread waits for it. @return whether the
+   * calling thread has it. */
+  bool takeGrant();
 
   Membership& membership() { return membership_; }
   void append(const wire::ReportItem& item) { membership_.append(item); }
@@ -81,6 +87,9 @@ class Node : public lockstep::internal::Program {
   // Program
   void lock() override { mutex_.lock(); }
   void unlock() override { mutex_.unlock(); }
+  Place* place() override;
+  bool beginLook() override;
+  void endLook() override { look_.unlock(); }
   void handle(const wire::Publisher& item) override;
   void handle(const wire::NoPublisher& item) override;
   void handle(const wire::Subscriber& item) override;
@@ -94,6 +103,7 @@ class Node : public lockstep::internal::Program {
   void onEnd() override;
   int busyThread() override { return turn().holder(); }
 
+  lockstep::internal::Wish wish();
   std::string waits(const OpenWaits& threads) const;
   void keepUnread();
   void endTurns();
@@ -101,8 +111,10 @@ class Node : public lockstep::internal::Program {
 
   bool sleeps_simulated_ = false;
   PlainMutex mutex_;  // for the membership and for outside_
+  PlainMutex look_;   // see beginLook()
   Membership membership_{*this};
   std::multiset<std::string> open_;
+  bool awaits_rest_ = false;  // and nothing else
   std::uint64_t rest_round_ = 0;
   std::deque<Input> outside_;
   std::int64_t outside_since_ = 0;  // steady ns: when the oldest input came; 0: none

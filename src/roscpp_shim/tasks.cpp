@@ -45,16 +45,6 @@ void PlainMutex::lock() {
 
 void PlainMutex::unlock() { pthread_mutex_unlock(&mutex_); }
 
-void awake(Task* task) {
-  static auto* const post = real(&::sem_post, "sem_post");
-  post(&task->go);
-}
-
-int awaitGo(Task* task) {
-  static auto* const wait = real(&::sem_wait, "sem_wait");
-  return wait(&task->go);
-}
-
 Turn& turn() {
   static Turn* const instance = [] {
     const Beside beside;
@@ -128,24 +118,35 @@ void Turn::end() {
   phase = Phase::kOver;
   const Lock lock(mutex_);
   for (const auto& task : tasks_) {
-    awake(task.get());
+    task->sleeper->call();
   }
 }
 
 std::shared_ptr<Task> Turn::create(std::function<void*()> main) {
   const Inside inside;
   const auto task = std::make_shared<Task>();
-  static auto* const init = real(&::sem_init, "sem_init");
-  init(&task->go, 0, 0);
   task->main = std::move(main);
+  const Lock lock(mutex_);
+  takePlace(task.get());
   if (task->main) {
-    const Lock lock(mutex_);
     task->is_waiting = true;
     task->wait.until = 0;  // as soon as the others wait
     tasks_.push_back(task);
     waiting_.push_back(task.get());
   }
   return task;
+}
+
+/** @brief Let @p task sleep where the time master can wake it, if there is a place left. */
+void Turn::takePlace(Task* task) {
+  SharedChannel* const channel = node().membership().channel();
+  const auto free = std::find(places_.begin(), places_.end(), false);
+  if (channel != nullptr && free != places_.end()) {
+    *free = true;
+    task->place.number = static_cast<std::uint32_t>(free - places_.begin());
+    task->sleeper = &channel->sleeper(task->place.number);
+    task->place.seen = task->sleeper->calls();
+  }
 }
 
 void Turn::discard(const std::shared_ptr<Task>& task) {
@@ -155,6 +156,7 @@ void Turn::discard(const std::shared_ptr<Task>& task) {
 }
 
 void Turn::forget(const Task* task) {
+  places_[task->place.number] = task->place.number == 0;
   tasks_.erase(std::remove_if(tasks_.begin(), tasks_.end(),
                               [task](const auto& one) { return one.get() == task; }),
                tasks_.end());
@@ -164,7 +166,7 @@ void* Turn::run(Task* task) {
   task->tid = ownTid();
   t_local.task = task;
   ends_.await();
-  park(task);
+  await(task, false);
   const auto main = std::move(task->main);
   return main();
 }
@@ -193,6 +195,7 @@ void Turn::finish(Task* task) {
     function();
   }
   const bool hands_over = isActive() && !task->is_loose;
+  latest_ = hands_over ? nullptr : latest_;
   Task* const next = hands_over ? firstReady() : nullptr;
   if (next != nullptr) {
     handOver(next);
@@ -205,10 +208,7 @@ void Turn::finish(Task* task) {
     ++activity_;
     // Another thread must report, since this one ends. If none waits, the next one that comes back
     // does (see regain).
-    holder_ = waiting_.empty() ? nullptr : waiting_.front();
-    if (holder_ != nullptr) {
-      awake(holder_);
-    }
+    letAct(waiting_.empty() ? nullptr : waiting_.front());
   }
   forget(task);
 }

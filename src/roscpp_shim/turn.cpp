@@ -1,8 +1,9 @@
 #include "turn.h"
 
 #include <algorithm>
-#include <cerrno>
+#include <cstddef>
 #include <mutex>
+#include <tuple>
 
 #include "followed.h"
 #include "node.h"
@@ -74,12 +75,11 @@ void Turn::regain(Task* task) {
     task->is_waiting = true;
     waiting_.push_back(task);
     if (holder_ == nullptr) {
-      holder_ = task;
-      awake(task);
+      letAct(task);
     }
   }
   node().ring();
-  park(task);
+  await(task, false);
   task->is_loose = false;
 }
 
@@ -100,14 +100,7 @@ Woken Turn::wait(Wait wait) {
   if (me->wait.unlock) {
     me->wait.unlock();
   }
-  while (me->is_waiting && isActive()) {
-    Task* const next = firstReady();
-    if (next == nullptr) {
-      node().exchange();
-    } else if (handOver(next); next != me) {
-      park(me);
-    }
-  }
+  await(me, true);
   if (!isActive()) {
     return Woken::kEnd;
   }
@@ -129,22 +122,48 @@ bool Turn::enlist(Task* task, Wait& wait) {
   task->seen_activity = activity_;
   waits_for_threads_ += task->wait.for_thread ? 1 : 0;
   waiting_.push_back(task);
+  latest_ = task;
   return true;
 }
 
-void Turn::park(Task* task) {
+/** @brief Sleep until the turn comes to @p me. If it @p acts, it does what is to be done while all
+ * wait: it reports for them, takes the grant, and chooses who goes on. */
+void Turn::await(Task* me, bool acts) {
   const Inside inside;
-  while (isActive() && awaitGo(task) != 0 && errno == EINTR) {
-  }
-  // Woken without being chosen: all threads wait, and this one has to report for them.
-  while (task->is_waiting && isActive()) {
-    Task* const next = firstReady();
-    if (next == nullptr) {
-      node().exchange();
-    } else if (handOver(next); next != task) {
-      while (isActive() && awaitGo(task) != 0 && errno == EINTR) {
-      }
+  while (me->is_waiting && isActive()) {
+    Task* const next = acts ? firstReady() : nullptr;
+    if (next != nullptr) {
+      handOver(next);
+      acts = false;
+      continue;
     }
+    if (acts) {
+      acts = node().exchange();
+    } else {
+      me->sleeper->sleep(me->place.seen, -1);
+      me->place.seen = me->sleeper->calls();
+      acts = this->acts();
+    }
+    // In both cases the time master may have woken it, and nobody else.
+    acts = acts || (me->is_waiting && node().takeGrant());
+  }
+}
+
+bool Turn::acts() {
+  const Lock lock(mutex_);
+  return holder_ == t_local.task;
+}
+
+void Turn::act() {
+  const Lock lock(mutex_);
+  holder_ = t_local.task;
+}
+
+/** @brief Let @p task act while all wait, and wake it. @pre The lock is held. */
+void Turn::letAct(Task* task) {
+  holder_ = latest_ = task;
+  if (task != nullptr) {
+    task->sleeper->call();
   }
 }
 
@@ -159,25 +178,56 @@ bool Turn::isReady(const Task& task, bool* by_activity) const {
 }
 
 Task* Turn::firstReady() {
-  std::vector<Task*> waiting;
   {
     const Lock lock(mutex_);
-    waiting = waiting_;
+    looked_at_ = waiting_;
   }
   // Not under the lock: a thread that signals may have locked what is_over looks at.
-  for (Task* const task : waiting) {
+  for (Task* const task : looked_at_) {
     bool by_activity = false;
     if (isReady(*task, &by_activity)) {
       const Lock lock(mutex_);
       activity_ += by_activity ? 0 : 1;
       // Of a pool this thread goes on, if it can: then no other thread has to be woken.
-      const bool is_ours = task->wait.pool != nullptr && t_local.task != nullptr &&
-                           t_local.task->is_waiting && t_local.task->wait.pool == task->wait.pool &&
-                           isReady(*t_local.task, &by_activity);
-      return is_ours ? t_local.task : task;
+      // (The latest one: which thread acts for all depends on the machine.)
+      const bool is_ours = task->wait.is_in_pool && isLatestInPool(task->wait.queue) &&
+                           isReady(*latest_, &by_activity);
+      return is_ours ? latest_ : task;
     }
   }
   return nullptr;
+}
+
+bool Turn::isLatestInPool(const void* queue) const {
+  return latest_ != nullptr && latest_->is_waiting && latest_->wait.is_in_pool &&
+         latest_->wait.queue == queue;
+}
+
+std::uint8_t Turn::numberOf(const void* queue) {
+  constexpr std::size_t kNumbers = std::tuple_size_v<decltype(Directions::thread_of_queue)> - 1;
+  return queue == nullptr ? 0
+                          : static_cast<std::uint8_t>(1 + reinterpret_cast<std::uintptr_t>(queue) /
+                                                              alignof(std::max_align_t) % kNumbers);
+}
+
+void Turn::direct(Nanoseconds next, Directions* directions) {
+  const Lock lock(mutex_);
+  for (auto& thread : directions->thread_of_queue) {
+    thread.store(0, std::memory_order_relaxed);
+  }
+  directions->thread_at_wake = 0;
+  // As firstReady() chooses: the first one that waits, but the latest one of a pool.
+  for (auto task = waiting_.rbegin(); task != waiting_.rend(); ++task) {
+    const Wait& wait = (*task)->wait;
+    const auto place = static_cast<std::uint8_t>((*task)->place.number);
+    if (wait.until == next && next != kNever) {
+      directions->thread_at_wake = place;
+    }
+    if (wait.queue != nullptr) {
+      directions->thread_of_queue[numberOf(wait.queue)] =
+          isLatestInPool(wait.queue) ? static_cast<std::uint8_t>(latest_->place.number) : place;
+    }
+  }
 }
 
 void Turn::handOver(Task* next) {
@@ -191,7 +241,7 @@ void Turn::handOver(Task* next) {
     ++switches_;
   }
   if (next != t_local.task) {
-    awake(next);
+    next->sleeper->call();
   }
 }
 

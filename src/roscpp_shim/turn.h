@@ -4,7 +4,6 @@
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
 
 #include <pthread.h>
-#include <semaphore.h>
 
 #include <atomic>
 #include <cstdint>
@@ -13,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/shared_channel.h"
 #include "lockstep/wire/wire.h"
 
 namespace move_base_abstract::shim {
@@ -38,7 +38,8 @@ struct Wait {
   Nanoseconds until = kNever;        // simulated
   std::function<bool()> is_over;     // the thread with the turn calls it
   const void* object = nullptr;      // a condition that another thread may signal
-  const void* pool = nullptr;        // equal for threads that do the same: any of them may go on
+  const void* queue = nullptr;       // a callback queue; its callbacks end the wait
+  bool is_in_pool = false;           // others of that queue do the same: any of them may go on
   bool next_round = false;           // until the next grant, which it requests at this instant
   bool at_rest = false;              // until no participant has anything left to do at this instant
   bool activity = false;             // until another thread has run,
@@ -56,7 +57,9 @@ enum class Woken { kReady, kTime, kEnd };
 
 /** @brief A thread of the program. */
 struct Task {
-  sem_t go;
+  Sleeper own;              // without shared memory
+  Sleeper* sleeper = &own;  // where it sleeps
+  Place place;              // of `sleeper`, in the shared memory
   pthread_t thread{};
   int tid = 0;
   Wait wait;
@@ -85,10 +88,6 @@ struct Task {
   std::function<void*()> main;    // its function, until it has begun
   std::vector<std::function<void()>> at_end;
 };
-
-// How a thread sleeps and is woken: by libc's own semaphore, which does not hand the turn over.
-void awake(Task* task);
-int awaitGo(Task* task);
 
 /** @brief What the program's threads wait for without end. */
 struct OpenWaits {
@@ -193,6 +192,14 @@ class Turn {
 
   /** @return the thread that has the turn, by its gettid() number; 0: none. From any thread. */
   int holder();
+  /** @return whether the calling thread acts for all while all wait. */
+  bool acts();
+  /** @brief Let the calling thread act for all. @pre All wait. */
+  void act();
+  /** @brief Say which thread goes on, by the queues of messages or at @p next. */
+  void direct(Nanoseconds next, Directions* directions);
+  /** @return the number that stands for a callback queue there; two may share one. */
+  static std::uint8_t numberOf(const void* queue);
 
   /** @return what threads wait for without a time-out. */
   OpenWaits openWaits();
@@ -224,7 +231,10 @@ class Turn {
   Task* firstReady();
   bool isReady(const Task& task, bool* by_activity) const;
   void handOver(Task* next);
-  void park(Task* task);
+  void await(Task* me, bool acts);
+  void letAct(Task* task);
+  bool isLatestInPool(const void* queue) const;
+  void takePlace(Task* task);
   void tellEndOf(const Task* task);
   void finish(Task* task);
   void forget(const Task* task);
@@ -238,7 +248,10 @@ class Turn {
   Ends ends_;
   std::vector<std::shared_ptr<Task>> tasks_;
   std::vector<Task*> waiting_;
-  Task* holder_ = nullptr;
+  std::vector<Task*> looked_at_;                           // a copy; of the thread that acts
+  std::array<bool, SharedChannel::kPlaces> places_{true};  // which are taken; 0 is not a thread's
+  Task* holder_ = nullptr;                                 // or the thread that acts while all wait
+  Task* latest_ = nullptr;                                 // the thread that has waited last
   std::uint64_t switches_ = 0;
   std::uint64_t activity_ = 0;
   int waits_for_threads_ = 0;  // of those in waiting_

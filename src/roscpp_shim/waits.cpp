@@ -91,7 +91,8 @@ bool awaitCallback(ros::CallbackQueue& queue, const ros::WallDuration& timeout,
   wait.is_over = [&queue, stops = spinner_stops] {
     return OpenQueue::first(queue) != nullptr || spinner_stops != stops;
   };
-  wait.pool = me.in_spinner ? &queue : nullptr;
+  wait.queue = &queue;
+  wait.is_in_pool = me.in_spinner;
   const Woken woken = turn().wait(wait);
   me.idle_polls += woken == Woken::kReady ? 0 : 1;
   me.has_acted = false;

@@ -73,8 +73,7 @@ bool keepsTime(int tid) {
 void Turn::letOthersOn(const std::string& why) {
   node().label(why + Node::Membership::describe(holder_->tid));
   holder_->is_loose = true;
-  holder_ = waiting_.front();
-  awake(holder_);
+  letAct(waiting_.front());
 }
 
 /** @brief Start a thread that only waits, so that somebody can report for the program. */

@@ -361,7 +361,7 @@ void LockstepServer::send(LockstepSession::Output& output) {
     connection.close_due = wallNow() + kLeaveLimit;
     closing_.push_back(output.connection);
   }
-  connection.stream.send(std::move(output.bytes), output.close);
+  connection.stream.send(std::move(output.bytes), output.close, output.topic);
   afterSending(output.connection, connection);
 }
 

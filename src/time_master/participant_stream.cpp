@@ -53,7 +53,9 @@ ParticipantStream::Received ParticipantStream::receive(
 
 bool ParticipantStream::await(int event, int patience_ms) {
   if (channel_) {
-    channel_->wait(patience_ms);
+    Place place;
+    channel_->wait(patience_ms, &place);
+    channel_->takeNews();
     if (channel_->hasPiece()) {
       return true;
     }
@@ -71,8 +73,8 @@ void ParticipantStream::setAsleep(bool is_asleep) {
 
 // ---- sending ---------------------------------------------------------------------------------
 
-void ParticipantStream::send(std::string bytes, bool is_last) {
-  if (channel_ && unsent_.empty() && !is_last && channel_->put(bytes, queued_)) {
+void ParticipantStream::send(std::string bytes, bool is_last, std::optional<std::uint32_t> topic) {
+  if (channel_ && unsent_.empty() && !is_last && channel_->put(bytes, queued_, topic)) {
     return;
   }
   queued_ += bytes.size();

@@ -45,8 +45,9 @@ class ParticipantStream {
   bool hasPiece() const { return channel_ && channel_->hasPiece(); }
 
   // ---- sending
-  /** @brief Send @p bytes, as far as the socket takes them, and keep the rest. */
-  void send(std::string bytes, bool is_last);
+  /** @brief Send @p bytes, as far as the socket takes them, and keep the rest. For @p topic see
+   * SharedChannel::put(). */
+  void send(std::string bytes, bool is_last, std::optional<std::uint32_t> topic = {});
   /** @brief Send more of the rest. */
   void sendMore();
   /** @return whether there is a rest. */

@@ -57,6 +57,12 @@ class Peer {
   std::unique_ptr<SharedChannel> channel_;
 };
 
+Link::Event next(Link* link, Bell* bell, int timeout_ms, wire::FrameBuffer* frames) {
+  Place place;
+  link->await(*bell, timeout_ms, &place);
+  return link->look(*bell, frames);
+}
+
 TEST(Link, WhatIsTooLargeForOneLookIsReadWithoutAnotherWakeUp) {
   const std::string address = "link_test:" + std::to_string(::getpid());
   Peer master(address);
@@ -66,7 +72,7 @@ TEST(Link, WhatIsTooLargeForOneLookIsReadWithoutAnotherWakeUp) {
   master.accept();
   Bell bell;
   wire::FrameBuffer frames;
-  EXPECT_EQ(link.wait(bell, 0, &frames), Link::Event::kNothing);  // it learns of the memory
+  EXPECT_EQ(next(&link, &bell, 0, &frames), Link::Event::kNothing);  // it learns of the memory
   std::string frame(150'000, '\0');
   const auto size = static_cast<std::uint32_t>(frame.size() - 4);
   std::memcpy(frame.data(), &size, 4);
@@ -79,7 +85,7 @@ TEST(Link, WhatIsTooLargeForOneLookIsReadWithoutAnotherWakeUp) {
     bell.ring();
   });
   for (int k = 0; k < 3 && !was_late; ++k) {
-    EXPECT_EQ(link.wait(bell, 1'000'000, &frames), Link::Event::kBytes);
+    EXPECT_EQ(next(&link, &bell, 1'000'000, &frames), Link::Event::kBytes);
   }
   is_read.set_value();
   guard.join();

@@ -8,9 +8,11 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -42,6 +44,13 @@ struct Pair {
 std::string taken(SharedChannel* channel) {
   const auto piece = channel->take(1000);
   return piece ? std::string(piece->bytes) : "none";
+}
+
+/** Wait as a thread without a place of its own. Return whether there was a wake-up. */
+bool waited(SharedChannel* channel) {
+  Place place;
+  channel->wait(kLong, &place);
+  return channel->takeNews();
 }
 
 std::string merged(SharedChannel* channel, std::uint64_t read, std::string_view got) {
@@ -94,13 +103,57 @@ TEST(SharedChannel, AParticipantThatDoesNotKnowYetThatItsMemoryIsUsedGetsNothing
 TEST(SharedChannel, AWakeUpBeforeTheWaitEndsItAndSaysThatThereIsNews) {
   Pair ends;
   ends.master->wake();
-  EXPECT_TRUE(ends.participant->wait(kLong));
+  EXPECT_TRUE(waited(ends.participant.get()));
   ends.participant->wakeSelf();
-  EXPECT_TRUE(ends.participant->wait(kLong));
+  EXPECT_TRUE(waited(ends.participant.get()));
   EXPECT_TRUE(ends.master->put("grant", 0));
-  EXPECT_FALSE(ends.participant->wait(kLong));
+  EXPECT_FALSE(waited(ends.participant.get()));
   ends.master->wake();
-  EXPECT_TRUE(ends.participant->wait(kLong));  // news, although the piece is still there
+  EXPECT_TRUE(waited(ends.participant.get()));  // news, although the piece is still there
+}
+
+// ---- which thread of a participant is woken ---------------------------------------------------
+
+/** Return the places whose threads are called by a grant with this topic. */
+std::vector<std::uint32_t> called(Pair* ends, std::optional<std::uint32_t> topic) {
+  std::vector<std::uint32_t> before, places;
+  for (std::uint32_t place = 0; place < SharedChannel::kPlaces; ++place) {
+    before.push_back(ends->participant->sleeper(place).calls());
+  }
+  EXPECT_TRUE(ends->master->put("grant", 0, topic));
+  for (std::uint32_t place = 0; place < SharedChannel::kPlaces; ++place) {
+    if (ends->participant->sleeper(place).calls() != before[place]) {
+      places.push_back(place);
+    }
+  }
+  EXPECT_EQ(taken(ends->participant.get()), "grant");
+  return places;
+}
+
+TEST(SharedChannel, AGrantWakesTheThreadThatGoesOnOrElseTheOneThatReads) {
+  using Places = std::vector<std::uint32_t>;
+  Pair ends;
+  Directions& to = ends.participant->directions();
+  to.queue_of_topic[7] = 3;
+  to.thread_of_queue[3] = 5;
+  to.thread_at_wake = 9;
+  ends.participant->wakeSelf();
+  Place reader{2, ends.participant->sleeper(2).calls()};
+  ends.participant->wait(kLong, &reader);
+  EXPECT_EQ(called(&ends, 7), Places{5});
+  EXPECT_EQ(called(&ends, 0), Places{9});
+  EXPECT_EQ(called(&ends, 8), Places{2});    // nothing is known of this topic
+  EXPECT_EQ(called(&ends, 900), Places{2});  // there is no room for what is known of it
+  EXPECT_EQ(called(&ends, std::nullopt), Places{2});
+}
+
+TEST(SharedChannel, ACallBeforeTheSleepEndsIt) {
+  Pair ends;
+  Sleeper& sleeper = ends.participant->sleeper(4);
+  const std::uint32_t seen = sleeper.calls();
+  sleeper.call();
+  sleeper.sleep(seen, -1);
+  EXPECT_NE(sleeper.calls(), seen);
 }
 
 TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
@@ -108,7 +161,7 @@ TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
   std::thread other([&] {
     for (int k = 0; k < 1000; ++k) {
       while (!ends.participant->hasPiece()) {
-        ends.participant->wait(kLong);
+        waited(ends.participant.get());
       }
       ends.participant->put(taken(ends.participant.get()) + "!", 0);
     }
@@ -116,7 +169,7 @@ TEST(SharedChannel, OneWaitsUntilTheOtherPutsAThousandTimes) {
   for (int k = 0; k < 1000; ++k) {
     ASSERT_TRUE(ends.master->put(std::to_string(k), 0));
     while (!ends.master->hasPiece()) {
-      ends.master->wait(kLong);
+      waited(ends.master.get());
     }
     ASSERT_EQ(taken(ends.master.get()), std::to_string(k) + "!");
   }
@@ -238,9 +291,12 @@ TEST(SharedChannel, MemoryFullOfAnythingIsReadWithinItsBounds) {
     for (int k = 0; k < 3; ++k) {
       EXPECT_LE(merged(ends.master.get(), 0, "bytes of the socket").size(),
                 SharedChannel::kMostBytes + 19);
-      ends.master->put("grant", 1);
+      for (const auto topic : {std::optional<std::uint32_t>(), {0}, {1}, {900}}) {
+        ends.master->put("grant", 1, topic);
+      }
       ends.master->wake();
-      ends.master->wait(1);
+      Place own;
+      ends.master->wait(1, &own);
     }
     ::munmap(place, size);
   }

@@ -230,7 +230,9 @@ Variant readAlternative(Reader& reader, std::size_t wanted) {
 template <typename Item>
 std::vector<Item> readItems(Reader& reader, int first, const char* const* names) {
   constexpr int kCount = static_cast<int>(std::variant_size_v<Item>);
+  constexpr std::size_t kUsualItems = 8;
   std::vector<Item> items;
+  items.reserve(reader.atEnd() ? 0 : kUsualItems);
   while (!reader.atEnd()) {
     reader.enter(nullptr);
     const int kind = reader.oneOf("kind of item", first, first + kCount - 1) - first;

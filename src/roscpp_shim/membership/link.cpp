@@ -3,7 +3,6 @@
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -123,26 +122,31 @@ bool Link::sendAwaited(std::string_view bytes) {
          send(bytes);
 }
 
-Link::Event Link::wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
-  if (!is_shared_) {
-    is_shared_ = channel_ != nullptr && channel_->isUsed();
-    if (!is_shared_) {
-      return waitForSocket(bell, timeout_ms, frames);
-    }
+void Link::await(Bell& bell, int timeout_ms, Place* place) {
+  if (!is_shared_ && channel_ != nullptr && channel_->isUsed()) {
     bell.ringFor(channel_);
     channel_->setAsleep(false);
     channel_->wakeSelf();  // the bell may have rung before
+    is_shared_ = true;
+  }
+  if (!is_shared_) {
+    poll(bell, timeout_ms);
+  } else if (!has_more_) {
+    channel_->wait(timeout_ms, place);
+  }
+}
+
+Link::Event Link::look(const Bell& bell, wire::FrameBuffer* frames) {
+  if (!is_shared_) {
+    return takeFromSocket(frames);
   }
   // One wake-up tells of all that is in the socket. The last look may have left a rest there.
-  if (const Event event =
-          std::exchange(has_more_, false) ? waitForSocket(bell, 0, frames) : Event::kNothing;
-      event != Event::kNothing) {
-    return event;
-  }
-  if (!channel_->wait(timeout_ms) && takePiece(frames)) {
+  const bool has_news = channel_->takeNews();
+  if (!std::exchange(has_more_, false) && !has_news && takePiece(frames)) {
     return Event::kBytes;
   }
-  const Event event = waitForSocket(bell, 0, frames);
+  poll(bell, 0);
+  const Event event = takeFromSocket(frames);
   return event == Event::kNothing && takePiece(frames) ? Event::kBytes : event;
 }
 
@@ -161,16 +165,18 @@ bool Link::takePiece(wire::FrameBuffer* frames) {
   return false;
 }
 
-Link::Event Link::waitForSocket(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames) {
-  std::array<pollfd, 2> polled{{{socket_, POLLIN, 0}, {bell.descriptor(), POLLIN, 0}}};
-  if (::poll(polled.data(), polled.size(), timeout_ms) <= 0) {
-    return Event::kNothing;
-  }
+void Link::poll(const Bell& bell, int timeout_ms) {
+  polled_ = {{{socket_, POLLIN, 0}, {bell.descriptor(), POLLIN, 0}}};
+  ::poll(polled_.data(), polled_.size(), timeout_ms);
+}
+
+/** @brief Take what the latest poll() has found. */
+Link::Event Link::takeFromSocket(wire::FrameBuffer* frames) {
   // The socket comes first: it brings the news of members, which decide what the bell means.
-  if (polled[0].revents == 0) {
-    return Event::kBell;
+  if (polled_[0].revents != 0) {
+    return receive(1 << 16, frames);
   }
-  return receive(1 << 16, frames);
+  return polled_[1].revents != 0 ? Event::kBell : Event::kNothing;
 }
 
 /** @brief Receive at most @p most bytes, and append them to @p frames. */

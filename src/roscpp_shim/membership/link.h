@@ -3,6 +3,9 @@
 #ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_LINK_H
 #define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_LINK_H
 
+#include <poll.h>
+
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -68,8 +71,17 @@ class Link {
   /** @brief Send what the time master waits for: through the shared memory, if it can be. */
   bool sendAwaited(std::string_view bytes);
 
-  /** @brief Wait for at most @p timeout_ms of wall time. Append the received bytes to @p frames. */
-  Event wait(Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
+  /**
+   * @brief Wait until look() may find something, for at most @p timeout_ms of wall time.
+   * @param place where the calling thread sleeps, if memory is shared; see SharedChannel::wait().
+   */
+  void await(Bell& bell, int timeout_ms, Place* place);
+  /** @brief Append what has come to @p frames. One thread at a time calls this. */
+  Event look(const Bell& bell, wire::FrameBuffer* frames);
+  /** @return whether a piece has come through the shared memory. Any thread may call this. */
+  bool hasPiece() const { return is_shared_ && channel_->hasPiece(); }
+  /** @return the memory that may be shared; null: there is none. */
+  SharedChannel* channel() const { return channel_; }
 
   /**
    * @brief Tell the peer that no more bytes come, wait for at most @p patience_ms of wall time
@@ -81,7 +93,8 @@ class Link {
  private:
   bool connectLocally(const std::string& address);
   void offerSharedMemory(std::string_view* bytes);
-  Event waitForSocket(const Bell& bell, int timeout_ms, wire::FrameBuffer* frames);
+  void poll(const Bell& bell, int timeout_ms);
+  Event takeFromSocket(wire::FrameBuffer* frames);
   bool takePiece(wire::FrameBuffer* frames);
   Event receive(std::size_t most, wire::FrameBuffer* frames);
 
@@ -94,7 +107,8 @@ class Link {
   std::uint64_t sent_ = 0;            // bytes over the socket, without STOPPING of a signal
   std::uint64_t signals_before_ = 0;  // bytes of signals over earlier connections
   std::uint64_t received_ = 0;
-  bool has_more_ = false;  // there may be more in the socket than the last look has taken
+  bool has_more_ = false;           // there may be more in the socket than the last look has taken
+  std::array<pollfd, 2> polled_{};  // the socket and the bell
 };
 
 }  // namespace move_base_abstract::lockstep::internal

@@ -111,14 +111,15 @@ void Membership::end(const std::string& reason, bool as_wished) {
 
 // ---- rounds ----------------------------------------------------------------------------------
 
-void Membership::exchange(const Wish& wish) {
+bool Membership::exchange(const Wish& wish) {
+  is_awaited_ = true;
   if (hasTurn()) {
     if (walk(wish)) {
-      return;
+      return true;
     }
     report(wish);
   }
-  awaitGrant();
+  return awaitGrant();
 }
 
 /** @brief Begin the next turn of the window, if there is one. @return whether it has begun. */
@@ -176,30 +177,31 @@ void Membership::report(const Wish& wish) {
   }
 }
 
-void Membership::awaitGrant() {
-  while (state_ == State::kReported || state_ == State::kJoining) {
-    knockIfNeeded();
-    switch (link_.wait(bell_, kPollMilliseconds, &frames_)) {
-      case Link::Event::kBytes:
-        readFrames();
-        break;
-      case Link::Event::kBell:
-        bell_.silence();
-        break;
-      case Link::Event::kClosed:
-        end(kClosed);
-        break;
-      case Link::Event::kNothing:
-        if (!program_.waitsOn()) {
-          return;
-        }
+bool Membership::awaitGrant() {
+  bool is_ours = true;
+  for (bool goes_on = true; is_ours && goes_on;) {
+    if (isWaiting()) {
+      knockIfNeeded();
+      link_.await(bell_, kPollMilliseconds, program_.place());
     }
+    is_ours = program_.beginLook();
+    const auto event = is_ours && isWaiting() ? link_.look(bell_, &frames_) : Link::Event::kBell;
+    if (event == Link::Event::kBytes) {
+      readFrames();
+    } else if (event == Link::Event::kClosed) {
+      end(kClosed);
+    } else if (event == Link::Event::kNothing) {
+      is_awaited_ = program_.waitsOn();
+    } else if (is_ours) {
+      bell_.silence();
+    }
+    goes_on = isWaiting() && is_awaited_;
+    program_.endLook();
   }
-  if (isOver()) {
+  if (is_ours && isOver()) {
     finish();
-  } else {
-    delay_.begin();
   }
+  return is_ours;
 }
 
 void Membership::knockIfNeeded() {
@@ -289,6 +291,7 @@ void Membership::handle(wire::Grant& grant) {
   }
   const bool is_repeated = has_window && grant.time_ns == now_;
   beginTurn(grant, grant.time_ns, is_repeated ? microstep_ + 1 : grant.microstep);
+  delay_.begin();
 }
 
 /** @brief Begin a turn with the mail that was kept for @p now and the items of @p grant. */

@@ -32,6 +32,15 @@ class Program {
   virtual void lock() = 0;
   virtual void unlock() = 0;
 
+  /** @return where the calling thread sleeps while it waits for a grant. */
+  virtual Place* place() = 0;
+  /**
+   * @brief Let one thread at a time look what has come from the time master, until endLook().
+   * @return false if another thread waits for the grant by now, or has it.
+   */
+  virtual bool beginLook() = 0;
+  virtual void endLook() = 0;
+
   virtual void setTime(Nanoseconds now) = 0;
   virtual void handle(const wire::Publisher& item) = 0;
   virtual void handle(const wire::NoPublisher& item) = 0;
@@ -110,8 +119,16 @@ class Membership {
   static std::string describe(int thread);
 
   // ---- rounds
-  /** @brief Send a report if there is a grant, and wait for the next grant, or for the end. */
-  void exchange(const Wish& wish);
+  /**
+   * @brief Send a report if there is a grant, and wait for the next grant, or for the end.
+   * @return false if another thread has begun to wait for it, or has it.
+   */
+  bool exchange(const Wish& wish);
+  /** @return whether something has come for the thread that waits for a grant, so that another one
+   * may take it in its place. @pre beginLook() */
+  bool isOffered() const { return state_ == State::kReported && is_awaited_ && link_.hasPiece(); }
+  /** @return the memory that is shared with the time master; null: there is none. */
+  SharedChannel* channel() const { return link_.channel(); }
   /**
    * @return whether the latest grant has brought nothing, and was not caused by input from outside.
    */
@@ -119,6 +136,7 @@ class Membership {
   bool hasTurn() const { return state_ == State::kTurn; }
   bool isActive() const { return state_ == State::kTurn || state_ == State::kReported; }
   bool isOver() const { return state_ == State::kOver; }
+  bool isWaiting() const { return state_ == State::kReported || state_ == State::kJoining; }
 
   const std::string& name() const { return presence_.name; }
   Nanoseconds now() const { return now_; }
@@ -173,7 +191,7 @@ class Membership {
   bool walk(const Wish& wish);
   void beginTurn(const wire::Grant& grant, Nanoseconds now, std::uint32_t microstep);
   void report(const Wish& wish);
-  void awaitGrant();
+  bool awaitGrant();
   void knockIfNeeded();
   void readFrames();
   void handle(const wire::Welcome& frame);
@@ -218,6 +236,7 @@ class Membership {
   int leave_limit_ms_ = 0;  // wall
 
   std::atomic<int> reader_{0};  // thread that has read the latest grant, as gettid() gives it
+  std::atomic<bool> is_awaited_{true};  // a thread waits for the grant
   std::uint64_t round_ = 0;
   std::uint64_t turns_ = 0;
   Window window_;
