@@ -50,9 +50,10 @@ def stand(pose: Pose2D, since_ns: int) -> Piece:
 
 def gone(piece: Piece, now_ns: int) -> Tuple[float, float]:
     """Return (the way [m] along the piece's vector, the time [s] that its turn took at the first rate)."""
-    elapsed = (now_ns - piece.begin_ns) / _NS_PER_S
-    g = elapsed if piece.k == 0.0 else (1.0 - math.exp(-piece.k * elapsed)) / piece.k
-    return piece.v * g + 0.5 * piece.a * elapsed * elapsed, g
+    begin_ns, _, _, _, _, _, v, a, _, k = piece
+    elapsed = (now_ns - begin_ns) / _NS_PER_S
+    g = elapsed if k == 0.0 else (1.0 - math.exp(-k * elapsed)) / k
+    return v * g + 0.5 * a * elapsed * elapsed, g
 
 
 def acceleration_of(piece: Piece) -> float:
