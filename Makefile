@@ -87,7 +87,8 @@ study: deps-study build  ## run the whole study in .ws/study, resumable; STUDY_1
 picture: deps-picture deps-study build  ## take the pictures of the README, from RViz on a screen without a monitor
 	@$(ENTER) $(PYTHON) tools/take_picture.py && $(PYTHON) tools/take_soil_picture.py
 
-figures: build  ## measure the README's figures on this machine, which does nothing else, and write the ranges over all machines
+figures: build-tests  ## measure the README's figures on this machine, which does nothing else, and write the ranges over all machines
+	@cmake --build '$(WS)/build' --target bench_ping_pong bench_dense_agent >'$(WS)/build_bench.log'
 	@$(ENTER) $(PYTHON) tools/figures.py
 
 docs: deps-docs build  ## build the documentation site, .ws/docs/html/index.html; a broken link is an error

@@ -1,4 +1,4 @@
-"""Runs lockstep_launch and times it from outside: to the first event, to the last event, and to the prompt.
+"""Runs lockstep_launch, and times it from outside: to the first event, the last event, and the prompt; or roslaunch.
 
 The first event is the start of the clock, for which the time master writes a note file. The last event is the last
 byte of the event log. Processor time is that of all processes of the run.
@@ -15,13 +15,15 @@ import tempfile
 import time
 
 import psutil
+import rosgraph
 
-from move_base_abstract_ros.loopback import find_executable
+from move_base_abstract_ros.loopback import Loopback, find_executable
 
 LINES = 30  # last lines of the output that are shown if a run fails
 LOOK_S = 0.005  # wall
 GRACE_S = 20.0  # wall, from SIGINT to SIGKILL
 OUTPUT = 'output.txt'
+STARTED_S, SETTLED_S = 60.0, 2.0  # wall, until roslaunch has started all nodes, and from there to the start of time
 CRASH = 'lockstep_launch: crash: '
 
 #: start_s, run_s, end_s: wall time; cpu_s: whole run; run_cpu_s: from first to last event; digest: of the event log;
@@ -61,6 +63,58 @@ def launch(words, timeout):
             crashes = [line[len(CRASH):].rstrip() for line in output if line.startswith(CRASH)]
     return Run(first - begin, last - first, done - last, used, run_cpu, (note['at_ns'] - start_ns) * 1e-9,
                note['rounds'], note['messages'], end, digest, crashes)
+
+
+def plain_cpu(words, simulated_s):
+    """Run a launch file by roslaunch on the scaled clock at 1x; return the processor time of a simulated second [s].
+
+    As in lockstep, time starts when all nodes are there, and what comes before does not count.
+
+    :raises Failed: if a node does not start, or roslaunch ends before the time is over.
+    """
+    names = set(subprocess.run(['roslaunch', '--nodes', *words], check=True, text=True,
+                               stdout=subprocess.PIPE).stdout.split())
+    with Loopback() as ros:
+        started = ros.spawn('roslaunch', ['roslaunch', *words])
+        try:
+            master = rosgraph.Master('/bench', master_uri=ros.uri)
+            _await(lambda: names <= {node for group in master.getSystemState() for _, nodes in group for node in nodes},
+                   started)
+            time.sleep(SETTLED_S)
+            before = _cpu_of_family()
+            ros.run('time_master', 'time_master', parameters={'mode': 'scaled', 'factor': 1.0})
+            time.sleep(simulated_s)
+            used = _cpu_of_family() - before
+            if started.process.poll() is not None:
+                raise Failed(f'roslaunch has ended with {started.process.poll()}', started.log_path)
+        finally:
+            _end_all(started)
+    return used / simulated_s
+
+
+def _await(condition, started):
+    deadline = time.monotonic() + STARTED_S
+    while not condition():
+        if started.process.poll() is not None or time.monotonic() > deadline:
+            raise Failed(f'not all nodes are there after {STARTED_S:g} s, or roslaunch has ended', started.log_path)
+        time.sleep(LOOK_S)
+
+
+def _cpu_of_family():
+    """Return the processor time [s] of all processes below this one."""
+    return sum(cpu_of(child.pid) for child in psutil.Process().children())
+
+
+def _end_all(started):
+    """Let roslaunch end its nodes, which lead sessions of their own; kill what is left."""
+    try:
+        family = psutil.Process(started.pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        family = []
+    started.signal(signal.SIGINT)
+    _, left = psutil.wait_procs(family, GRACE_S)
+    for process in left:
+        process.kill()
 
 
 def _follow(command, folder, timeout):

@@ -17,7 +17,7 @@ COLUMNS = {
     'launcher_start': ('plain_s', 'launched_s', 'added_s', 'wanted_added_s'),
     'launcher_end': ('nodes', 'runs', 'start_s', 'wanted_start_s', 'end_s', 'longest_s', 'wanted_end_s', 'cpu_s'),
     'system': ('name', 'runs', 'simulated_s', 'start_s', 'run_s', 'end_s', 'speed_up', 'cpu_s_per_simulated_s',
-               'rounds_per_s', 'messages_per_s', 'repeatable', 'same'),
+               'over_roslaunch', 'rounds_per_s', 'messages_per_s', 'repeatable', 'same'),
     'dense': ('cores', 'lookahead', 'agent', 'agents', 'rates', 'speed_up', 'wanted_speed_up', 'rounds_per_s',
               'deliveries_per_s', 'switches_per_tick', 'us_per_delivery_time_master',
               'us_per_delivery_fleet', 'us_per_delivery_agents', 'repeatable'),

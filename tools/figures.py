@@ -15,8 +15,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FIGURES, README = ROOT / 'docs' / 'figures.json', ROOT / 'README.md'
-#: {figure: (command, what its output says)}; each is measured RUNS times
-MEASURED = {'demo': (('rosrun', 'move_base_abstract', 'demo'), re.compile(r'wall time: ([\d.]+)x real time'))}
+#: {figure: (command, what its output says of speed and messages)}; each is measured RUNS times
+MEASURED = {
+    'demo': (('rosrun', 'move_base_abstract', 'demo'),
+             re.compile(r'wall time: ([\d.]+)x real time, with ([\d.]+) messages')),
+    'dense': (('python3', 'bench/dense', '--agents', '4', '--kinds', 'roscpp', '--rates', '20/10', '--simulated', '60',
+               '--runs', '1'), re.compile(r'"speed_up": ([\d.]+).*"deliveries_per_s": ([\d.]+)'))}
 RUNS = 9
 #: where the README has a figure of speed; what is between the two comments is written by this program
 PLACE = re.compile(r'(<!-- figure: (\w+) -->)(.*?)(<!-- end of figure -->)', re.DOTALL)
@@ -37,9 +41,11 @@ def measure():
     load = os.getloadavg()[0]
     commit = subprocess.run(['git', '-C', str(ROOT), 'describe', '--always', '--dirty', '--abbrev=12'],
                             stdout=subprocess.PIPE, check=True, text=True).stdout.strip()
-    figures = {name: sorted(_one(*how) for _ in range(RUNS)) for name, how in MEASURED.items()}
+    runs = {name: sorted(_one(*how) for _ in range(RUNS)) for name, how in MEASURED.items()}
     return {'cpu': _cpu(), 'cores': os.cpu_count(), 'load_before': round(load, 2), 'commit': commit,
-            'date': datetime.datetime.now(datetime.timezone.utc).date().isoformat(), 'figures': figures}  # noqa: TID251
+            'date': datetime.datetime.now(datetime.timezone.utc).date().isoformat(),  # noqa: TID251
+            'figures': {name: [speed for speed, _ in each] for name, each in runs.items()},
+            'messages_per_s': {name: each[0][1] for name, each in runs.items()}}
 
 
 def merged(machines, entry):
@@ -50,12 +56,13 @@ def merged(machines, entry):
 
 
 def sentence(name, machines):
-    """Return what the README says of a figure: its range, from how many runs, on which machines."""
+    """Return what the README says of a figure: its range, beside how many messages, from how many runs, and where."""
     runs = [value for machine in machines for value in machine['figures'][name]]
     on = '{} machines'.format(len(machines))
     if len(machines) == 1:
-        on = 'one machine: {cpu}, {cores} cores'.format(**machines[0])
-    return '{:.0f} to {:.0f} times real time in {} runs on {}'.format(min(runs), max(runs), len(runs), on)
+        on = 'one machine: {cpu}, {cores} cores, load {load_before:.0f}'.format(**machines[0])
+    return '{:.0f} to {:.0f} times real time with {:.3g} messages per simulated second in {} runs on {}'.format(
+        min(runs), max(runs), machines[0]['messages_per_s'][name], len(runs), on)
 
 
 def written(readme, machines):
@@ -70,12 +77,12 @@ def read():
 
 def _one(command, said):
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, check=False)
+                          text=True, check=False, cwd=ROOT)
     found = said.search(done.stdout)
     if done.returncode or not found:
         raise NotMeasured('{} ended with {} and says no speed:\n{}'.format(
             ' '.join(command), done.returncode, done.stdout))
-    return float(found.group(1))
+    return float(found.group(1)), float(found.group(2))
 
 
 def _cpu():

@@ -50,14 +50,16 @@ def test_what_is_chosen_is_still_there(chosen):
 
 
 def entry(cpu, *runs):
-    return {'cpu': cpu, 'cores': 2, 'figures': {'demo': list(runs)}}
+    return {'cpu': cpu, 'cores': 2, 'load_before': 0.3, 'figures': {'demo': list(runs)},
+            'messages_per_s': {'demo': 1.3}}
 
 
 def test_a_machine_has_one_entry_and_the_range_is_over_all():
     machines = figures.merged([entry('b', 1.0), entry('a', 90.0)], entry('b', 131.4, 200.0))
     assert machines == [entry('a', 90.0), entry('b', 131.4, 200.0)]
-    assert figures.sentence('demo', machines) == '90 to 200 times real time in 3 runs on 2 machines'
-    assert 'one machine: a, 2 cores' in figures.sentence('demo', machines[:1])
+    assert figures.sentence('demo', machines) == (
+        '90 to 200 times real time with 1.3 messages per simulated second in 3 runs on 2 machines')
+    assert 'one machine: a, 2 cores, load 0' in figures.sentence('demo', machines[:1])
 
 
 def test_each_entry_says_when_where_and_from_what_it_came():

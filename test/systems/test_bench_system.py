@@ -3,30 +3,24 @@
 The tests compare no figure with a wanted one, since machines differ. They check what must hold on any machine.
 """
 import json
-import os
 import subprocess
 import sys
 import time
 import unittest
+from pathlib import Path
 
 from own_folder import GUARD, OwnPackage
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-SYSTEM = os.path.join(HERE, '..', '..', 'bench', 'system')
+ROOT = Path(__file__).resolve().parents[2]
+SYSTEM = ROOT / 'bench' / 'system'
+BROKEN = '<node pkg="study_of_others" type="breaks.py" name="breaks" output="screen"/>'
 ROBOT = '<node pkg="move_base_abstract" type="move_base" name="move_base" ns="robot_0"/>'
-NODE = '<node pkg="study_of_others" type="{0}.py" name="{0}" output="screen"/>'
-SENDS = """#!/usr/bin/env python3
-import rospy
-from geometry_msgs.msg import PoseStamped
-rospy.init_node('sends')
-goals = rospy.Publisher('/robot_0/move_base_simple/goal', PoseStamped, queue_size=1)
-rospy.sleep(1.0)
-goal = PoseStamped()
-goal.header.frame_id = 'map'
-goal.pose.position.x = goal.pose.orientation.w = 1.0
-goals.publish(goal)
-rospy.spin()
-"""
+SENDS = """<node pkg="study_of_others" type="steps.py" name="steps" output="screen">
+<rosparam>
+steps:
+- {at: 1.0, topic: /robot_0/move_base_simple/goal, type: geometry_msgs/PoseStamped,
+   fields: {header: {frame_id: map}, pose: {position: {x: 1.0}, orientation: {w: 1.0}}}}
+</rosparam></node>"""
 BREAKS = """#!/usr/bin/env python3
 import rospy
 rospy.init_node('breaks')
@@ -35,19 +29,19 @@ raise ValueError('on purpose')
 
 
 class BenchSystemTest(OwnPackage, unittest.TestCase):
-    FILES = {'sends.py': SENDS, 'breaks.py': BREAKS}
+    FILES = {'steps.py': (ROOT / 'tools' / 'foreign' / '.systems' / 'steps.py').read_text(), 'breaks.py': BREAKS}
 
     def measure(self, *words, nodes):
         """Run bench/system on a launch file with these nodes; return (the finished process, its wall time [s])."""
         file = self.write('system.launch', '<launch>{}</launch>'.format(nodes))
         begin = time.monotonic()
-        done = subprocess.run([sys.executable, SYSTEM, *words, file], check=False, env=self.environment,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=GUARD)
+        done = subprocess.run([sys.executable, str(SYSTEM), *words, file], check=False, text=True, timeout=GUARD,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=self.environment)
         return done, time.monotonic() - begin
 
     def test_start_run_and_end_are_told_apart_and_runs_compared(self):
         done, took = self.measure('--runs', '2', '--name', 'one robot', '--', '--until', '9',
-                                  nodes=ROBOT + NODE.format('sends'))
+                                  nodes=ROBOT + SENDS)
         self.assertEqual(done.returncode, 0, done.stderr)
         machine, record = (json.loads(line) for line in done.stdout.splitlines())
         self.assertEqual(machine['kind'], 'machine')
@@ -65,14 +59,29 @@ class BenchSystemTest(OwnPackage, unittest.TestCase):
         self.assertGreaterEqual(record['messages_per_s'] * 8.0, 1)  # the goal
         self.assertIn('one robot', done.stderr)  # the table
 
+    def test_the_cpu_of_a_simulated_second_is_divided_by_that_under_roslaunch(self):
+        words = ('--runs', '1', '--over-roslaunch', '--', '--until', '5')
+        done, took = self.measure(*words, nodes=ROBOT + SENDS)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        record = json.loads(done.stdout.splitlines()[1])
+        self.assertGreater(took, record['simulated_s'])  # at 1x
+        self.assertGreater(record['roslaunch_cpu_s_per_simulated_s'], 0.0)
+        self.assertAlmostEqual(record['over_roslaunch'] * record['roslaunch_cpu_s_per_simulated_s'],
+                               record['cpu_s_per_simulated_s'])
+
+    def test_a_public_system_is_one_of_the_table(self):
+        done, _ = self.measure('--public', 'nowhere', nodes=ROBOT)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, "there is no system 'nowhere'; allowed: connected_motion, .*patrolling_sim")
+
     def test_a_run_that_fails_or_does_not_end_is_no_measurement(self):
-        done, _ = self.measure('--runs', '1', '--', '--until', '9', nodes=ROBOT + NODE.format('breaks'))
-        self.assertEqual((done.returncode, done.stdout), (1, ''))
+        done, _ = self.measure('--runs', '1', '--', '--until', '9', nodes=ROBOT + BROKEN)
+        self.assertEqual((done.returncode, done.stdout.count('"kind"')), (1, 1))  # that of the machine
         self.assertIn('lockstep_launch has ended with', done.stderr)
         self.assertIn('on purpose', done.stderr)
         done, _ = self.measure('--runs', '1', '--timeout', '8', '--', '--speed-limit', '1',
-                               nodes=ROBOT + NODE.format('sends'))
-        self.assertEqual((done.returncode, done.stdout), (1, ''))
+                               nodes=ROBOT + SENDS)
+        self.assertEqual((done.returncode, done.stdout.count('"kind"')), (1, 1))
         self.assertIn('not over after 8 s', done.stderr)
 
     def test_what_it_says_itself_to_lockstep_launch_is_refused(self):

@@ -68,7 +68,8 @@ class Demo(OwnFolder, unittest.TestCase):
         self.assertIn('3 goals, lockstep; started', output)
         self.assertRegex(output, r'\nnear +2/2 +90\.0 +45\.00 +0\.00\n')
         self.assertRegex(output, r'\nfar +1/1 +80\.0 +40\.00 +5\.00\n')
-        self.assertRegex(output, r'\n45\.00 s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time\n$')
+        self.assertRegex(output, r'\n45\.00 s simulated in \d+\.\d\d s of wall time: \d+\.\dx real time, with '
+                         r'\d+\.\d messages per simulated second\n$')
 
     def test_it_prints_plain_progress_a_table_and_the_closing_line(self):
         before = rosgraph.Master('/demo_test').getSystemState()

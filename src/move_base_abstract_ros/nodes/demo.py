@@ -62,7 +62,7 @@ def _run_mission(arguments, plan, log):
     print(why, flush=True)
     if arguments.routes and map_path is None:
         raise MissionFailed('--routes needs a map on which all places of the mission are free')
-    clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'], log.path)
+    clock = nodes.clock_parameters(arguments.clock, arguments.factor, ['/fleet', '/demo'], log.path, log.note)
     settings = nodes.robot_settings(arguments.speed, map_path is not None, arguments.routes, arguments.rviz)
     with _master(arguments, log, lambda ros: nodes.start(ros, plan, clock, settings, map_path, arguments.rviz),
                  ['/fleet/events']) as (ros, participant):
@@ -78,7 +78,7 @@ def _run_mission(arguments, plan, log):
     print(report.table([(robot.plan.name, robot.goals_done, len(robot.plan.goals), told[robot.plan.name]['distance_m'],
                          told[robot.plan.name]['moving_s']) for robot in run.robots], simulated_s))
     print(log.make_page(map_path))
-    print(report.closing_line(simulated_s, wall_s), flush=True)
+    print(report.closing_line(simulated_s, wall_s, log.messages()), flush=True)
 
 
 def _run_warehouse(arguments, log):
@@ -86,7 +86,8 @@ def _run_warehouse(arguments, log):
     scenario, map_path = warehouse.make(log.folder, arguments.robots, arguments.orders or warehouse.ORDERS,
                                         1 if arguments.seed is None else arguments.seed, arguments.speed,
                                         arguments.rviz)
-    clock = nodes.clock_parameters(arguments.clock, arguments.factor, [*warehouse.PARTICIPANTS, '/demo'], log.path)
+    clock = nodes.clock_parameters(arguments.clock, arguments.factor, [*warehouse.PARTICIPANTS, '/demo'], log.path,
+                                   log.note)
     with _master(arguments, log, lambda ros: warehouse.start(ros, scenario, clock, map_path, arguments.policy,
                                                              arguments.rviz),
                  ['/fleet/events', '/dispatcher/events']) as (ros, participant):
@@ -97,7 +98,7 @@ def _run_warehouse(arguments, log):
     log.close()
     print(report.aligned(*warehouse.table_of(*log.rows())))
     print(log.make_page(map_path, scenario))
-    print(report.closing_line(*run.elapsed()), flush=True)
+    print(report.closing_line(*run.elapsed(), log.messages()), flush=True)
 
 
 @contextlib.contextmanager

@@ -11,16 +11,16 @@ WATCHED_POSES = 10.0  # Hz, simulated: in lockstep, robots publish poses on the 
 ROBOT_RADIUS = 0.6  # m, of robots that drive around the obstacles of the map
 
 
-def clock_parameters(kind, factor, names, event_log):
+def clock_parameters(kind, factor, names, event_log, note):
     """Return the time master's parameters for a clock of ``kind`` 'lockstep' or 'scaled'.
 
     ``factor``: simulated seconds per wall second; None: no limit in lockstep, 20 on the scaled clock. ``names``: of the
-    participants, and ``event_log``: the path of the log; both are used in lockstep only.
+    participants, ``event_log`` and ``note``: paths of the log, and of the time master's last note; in lockstep only.
     """
     if kind == 'scaled':
         return {'mode': 'scaled', 'factor': 20.0 if factor is None else factor}
     return {'mode': 'lockstep', 'participants': names, 'speed_limit': factor or 0.0, 'on_death': 'end',
-            'event_log': event_log}
+            'event_log': event_log, 'note_of_end': note}
 
 
 def robot_settings(speed, has_map, routes, rviz):

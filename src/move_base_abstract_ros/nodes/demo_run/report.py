@@ -77,7 +77,8 @@ def aligned(columns, rows):
                                                              in zip(line[1:], widths[1:])]) for line in lines)
 
 
-def closing_line(simulated_s, wall_s):
-    """Return the demo's last line."""
+def closing_line(simulated_s, wall_s, messages):
+    """Return the demo's last line. ``messages``: how many were delivered, or None: unknown."""
+    density = '' if messages is None else f', with {messages / simulated_s:.1f} messages per simulated second'
     return (f'{simulated_s:.2f} s simulated in {wall_s:.2f} s of wall time: '
-            f'{speed_up(simulated_s, wall_s):.1f}x real time')
+            f'{speed_up(simulated_s, wall_s):.1f}x real time{density}')

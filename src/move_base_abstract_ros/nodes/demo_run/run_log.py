@@ -1,4 +1,5 @@
 """The event log of a demo, and the replay page that is made from it when the demo is over."""
+import json
 import os
 import time
 
@@ -23,8 +24,8 @@ class RunLog:
     ``output``: the path of the replay page; None: demo_replay.html in ROS_HOME. ``kept``: a path at which the event log
     stays; None: it is removed with the folder.
 
-    In lockstep the time master writes the log, to :attr:`path`. On the scaled clock :meth:`listen` collects the events
-    that robots publish, and :meth:`close` writes the log.
+    In lockstep the time master writes the log, to :attr:`path`, and its last :attr:`note`. On the scaled clock
+    :meth:`listen` collects the events that robots publish, and :meth:`close` writes the log.
     """
 
     def __init__(self, output=None, kept=None):
@@ -37,6 +38,7 @@ class RunLog:
     def __enter__(self):
         self._folder = temporary.make('demo_')
         self.path = self._kept or os.path.join(self._folder, _LOG)
+        self.note = os.path.join(self._folder, 'end')
         #: for files that the demo makes
         self.folder = os.path.join(self._folder, 'world')
         return self
@@ -71,6 +73,13 @@ class RunLog:
         """Return (start [ns], rows) of the complete log; a row is (time [ns], robot, kind, values)."""
         with event_log.opened(self.path) as log:
             return log.start_ns, list(log.rows())
+
+    def messages(self):
+        """Return how many messages the time master has delivered, when the run is over; None on the scaled clock."""
+        if self._listens:
+            return None
+        with open(self.note, encoding='utf-8') as stream:
+            return json.load(stream)['messages']
 
     def make_page(self, map_path, scenario=None):
         """Make the replay page; return a line for the user that says where it is, or why there is none.
