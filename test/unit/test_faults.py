@@ -179,12 +179,12 @@ def test_what_is_of_another_kind_is_refused_at_once_and_changes_nothing(call, te
     assert fleet.now_ns == 0 and not ends(fleet)
 
 
-def test_a_goal_whose_predecessors_result_cannot_be_told_is_not_lost(rig):
+def test_a_goal_whose_predecessors_result_cannot_be_told_is_not_lost(rig, monkeypatch):
     robot = rig()
-    told, robot.ledger._tell_end = robot.ledger._tell_end, lambda record, stamp_ns: 1 / 0
-    robot.send('one', 10.0, 0.0)
-    robot.send('two', 20.0, 0.0)
-    robot.ledger._tell_end = told
+    with monkeypatch.context() as patch:
+        patch.setattr(type(robot.ledger), '_tell_end', lambda ledger, record, stamp_ns: 1 / 0)
+        robot.send('one', 10.0, 0.0)
+        robot.send('two', 20.0, 0.0)
     assert [(record.goal_id, record.state.name) for record in robot.ledger.records(0)] == [
         ('one', 'PREEMPTED'), ('two', 'ABORTED')]
     robot.send('three', 2.0, 0.0)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 from ..common.errors import ConfigurationError
@@ -50,6 +50,8 @@ _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
 #: the parameters that a calibration replaces
+#: equal ones, which cannot be changed, are one object for all robots of a process
+_limits, _tolerances = lru_cache(64, typed=True)(MotionLimits), lru_cache(64, typed=True)(Tolerances)
 _CALIBRATED = tuple(parameter.name for parameter in LIMITS + DURATIONS) + ('turn_rate',)
 #: the defaults with ``events_only``, where time leaps from event to event: each of these rates would add events for
 #: which time has to stop
@@ -149,8 +151,8 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         values['feedback_freq'] = values['controller_frequency']
     behaviors = _behaviors(raw, values, where)
     settings = RobotSettings(
-        limits=MotionLimits(speed.value, acceleration.value or math.inf, values['turn_rate'] or math.inf),
-        tolerances=Tolerances(xy_tolerance.value, yaw_tolerance.value),
+        limits=_limits(speed.value, acceleration.value or math.inf, values['turn_rate'] or math.inf),
+        tolerances=_tolerances(xy_tolerance.value, yaw_tolerance.value),
         speed_source=speed.source, acceleration_source=acceleration.source, speeds=planner.speeds,
         start=Pose2D(values['start_x'], values['start_y'], values['start_yaw']),
         bounds=_bounds(values['world_bounds'], where),

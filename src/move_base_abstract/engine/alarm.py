@@ -46,6 +46,8 @@ class Alarm:
 class Agenda:
     """Any number of future events of the robot ``robot_index`` in ``queue`` (EventQueue)."""
 
+    __slots__ = ('_queue', '_robot_index', 'events')
+
     def __init__(self, queue: EventQueue, robot_index: int) -> None:
         self._queue = queue
         self._robot_index = robot_index

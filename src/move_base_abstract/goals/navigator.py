@@ -46,6 +46,10 @@ class Navigator:
     Events go to ``stream`` (Stream, see :mod:`.events`), feedback on the way goes to ``client`` (GoalClient).
     """
 
+    __slots__ = ('robot', 'planner', '_agenda', 'travel', 'longest_wait_ns', '_bad_frame_policy', '_recovery_policy',
+                 '_durations', '_simulation', '_ledger', '_frames', '_tell', '_hearers', 'feedback',
+                 '_starts_from_idle', '_refusals', '_unheard', 'goal_number', '__weakref__')
+
     def __init__(self, robot: Robot, simulation: Simulation, ledger: GoalLedger, frames: RobotFrames, stream: Stream,
                  client: GoalClient, planner: StraightLinePlanner = StraightLinePlanner(),
                  bad_frame_policy: BadFramePolicy = BadFramePolicy.ABORT,
@@ -102,7 +106,7 @@ class Navigator:
             self._durations.next_goal()
         self.goal_number += 1
         if not self._starts_from_idle or Abandoned in self._hearers:  # otherwise its end has forgotten the last goal
-            self._forget_goal(now_ns)
+            self.travel.forget(now_ns)
         if self.robot.leg is not None:
             self.travel.halt(now_ns)
         quaternion = goal.quaternion
@@ -281,7 +285,7 @@ class Navigator:
 
     def end(self, outcome: Outcome, stamp_ns: int) -> None:
         """End the active goal with ``outcome`` at ``stamp_ns`` [ns]; the robot must stand already."""
-        self._forget_goal(stamp_ns)
+        self.travel.forget(stamp_ns)
         if self.feedback.frequency:
             self.feedback.stop()
         if outcome.stops_wheels and WheelsStopped in self._hearers:
@@ -294,18 +298,16 @@ class Navigator:
         """Clean up after the exception ``error``: stop the robot, and end its goal, if any, with the error's text."""
         now_ns, robot = self._simulation.now_ns, self.robot
         attempt_each(self._simulation, robot.name, error, (
-            (self._forget_goal, now_ns), (robot.halt, now_ns), (self.travel.tell_stands, now_ns), (self.feedback.stop,),
-            (self._tell, WheelsStopped(now_ns, robot.name)), (self._tell, BrokenOff(now_ns, robot.name)),
+            (self.travel.forget, now_ns), (robot.halt, now_ns), (self.travel.tell_stands, now_ns),
+            (self.feedback.stop,), (self._tell, WheelsStopped(now_ns, robot.name)),
+            (self._tell, BrokenOff(now_ns, robot.name)),
             (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
-
-    def _forget_goal(self, now_ns: int) -> None:
-        self.travel.forget()
-        if Abandoned in self._hearers:
-            self._tell(Abandoned(now_ns, self.robot.name))
 
 
 class GoalFeedback:
     """Sends the pose of ``robot`` to ``client`` (GoalClient) while ``ledger`` has an active goal."""
+
+    __slots__ = ('_robot', '_simulation', '_ledger', '_client', '_series', 'frequency')
 
     def __init__(self, robot: Robot, simulation: Simulation, ledger: GoalLedger, client: GoalClient) -> None:
         self._robot = robot

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Callable, Optional, Sequence, Tuple, Union
 
 from ..engine.guard import guarded
 from ..motion.geometry import Pose2D
-from .events import Departed, Drives, Held, Stands, Warned, new
+from .events import Abandoned, Departed, Drives, Held, Stands, Warned, new
 from .outcome import NO_CONTROL, aborted
 
 if TYPE_CHECKING:
@@ -34,9 +34,13 @@ class Travel:
     from the law of motion alone.
     """
 
+    __slots__ = ('_navigator', '_arrive', '_robot', '_planner', '_agenda', '_tell', '_hearers', '_durations', '_gate',
+                 'limited', 'target', 'held_for', 'waits_for_release')
+
     def __init__(self, navigator: Navigator, robot: Robot, planner: StraightLinePlanner, agenda: Agenda, stream: Stream,
                  durations: Optional[Union[GoalDurations, GoalAttempts]]) -> None:
         self._navigator = navigator
+        self._arrive = navigator.arrive  # made once, not for each leg
         self._robot = robot
         self._planner = planner
         self._agenda = agenda
@@ -65,12 +69,14 @@ class Travel:
         self.target = target
         self.waits_for_release = False
 
-    def forget(self) -> None:
-        """Forget the target, and all that is to happen for it."""
+    def forget(self, now_ns: int) -> None:
+        """Forget the target, and all that is to happen for it: its goal has ended, or another one replaces it."""
         if self._agenda.events:
             self._agenda.clear()
         self.target = None
         self.waits_for_release = False
+        if Abandoned in self._hearers:
+            self._tell(Abandoned(now_ns, self._robot.name))
 
     def _go_on(self, now_ns: int) -> None:
         """Go on to the target from where the robot stands; if there is no way, it gives up as for a new goal."""
@@ -141,7 +147,7 @@ class Travel:
         if failure_ns is not None:
             self._agenda.at(failure_ns, self._fail_on_the_way)
         else:
-            self._agenda.at(leg.arrive_ns, self._navigator.arrive if aside is None else self._reach_aside)
+            self._agenda.at(leg.arrive_ns, self._arrive if aside is None else self._reach_aside)
 
     def _reach_aside(self, due_ns: int, _now_ns: int) -> None:
         self.halt(due_ns)

@@ -20,6 +20,8 @@ class RobotFrames:
     pose of that instant is waited for.
     """
 
+    __slots__ = ('global_frame', 'odom_frame', 'base_frame', '_fixed', '_robot', '_lookup', '_patience_ns')
+
     def __init__(self, robot: Robot, global_frame: str, odom_frame: str, base_frame: str,
                  lookup: Callable[[str, int], Pose2D], patience_ns: Callable[[], int] = lambda: 0) -> None:
         self.global_frame = global_frame
@@ -76,16 +78,15 @@ class RobotFrames:
 
         :raises FrameError: as :meth:`locate` does. :raises ValueError: if a number of the pose is not finite.
         """
-        x, y = goal.position
-        if not math.isfinite(goal.height):
-            raise ValueError('pose: z must be finite, got {!r}'.format(goal.height))
-        if goal.frame_id in self._fixed:
-            quaternion = goal.quaternion
+        frame_id, stamp_ns, (x, y), quaternion, height = goal
+        if not math.isfinite(height):
+            raise ValueError('pose: z must be finite, got {!r}'.format(height))
+        if frame_id in self._fixed:
             straight = quaternion is STRAIGHT_AHEAD or quaternion == STRAIGHT_AHEAD
             yaw = 0.0 if straight else 0.0 + yaw_of_quaternion(quaternion)
             return Pose2D(0.0 + x, 0.0 + y, yaw)  # as Pose2D.compose would: never -0.0
-        place = self.locate(goal.frame_id, goal.stamp_ns, now_ns)
-        return place.compose(Pose2D(x, y, yaw_of_quaternion(goal.quaternion)))
+        place = self.locate(frame_id, stamp_ns, now_ns)
+        return place.compose(Pose2D(x, y, yaw_of_quaternion(quaternion)))
 
     def orientation(self, goal: GoalPose, place: Pose2D) -> Tuple[float, float, float, float]:
         """Return the quaternion (x, y, z, w), in the global frame, of the :class:`GoalPose` ``goal`` at ``place``.

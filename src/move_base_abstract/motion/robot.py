@@ -31,6 +31,9 @@ class Robot:
     stand elsewhere than at a leg's end counts as one.
     """
 
+    __slots__ = ('index', 'name', 'limits', 'tolerances', '_corner_law', 'phases', '_original', 'leg', '_motion',
+                 '_past', '_driven', '_followers', 'reported', '__weakref__')
+
     def __init__(self, index: int, name: str, pose: Pose2D = Pose2D(), limits: MotionLimits = MotionLimits(0.5),
                  tolerances: Tolerances = Tolerances(), since_ns: int = 0, corner_law: CornerLaw = CornerLaw.KEEP,
                  phases: Optional[MotionPhases] = None, remembered_legs: int = 64,
