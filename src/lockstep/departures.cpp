@@ -138,7 +138,7 @@ void Departures::endTogether() {
       depart(id, "was told to end");
     }
     member.turn = PendingTurn();
-    member.foreseen.clear();
+    member.played.stop();
     member.walked.clear();
   }
   if (!run_.interruption.rested()) {

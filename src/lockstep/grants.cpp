@@ -36,23 +36,37 @@ void Grants::send(const std::vector<LockstepRounds::Grant>& grants) {
     if (member == run_.members.end()) {
       continue;
     }
-    if (grant.foreseen) {
-      member->second.turn = std::move(member->second.foreseen.front());
-      member->second.foreseen.pop_front();
-      run_.changed.add(grant.member, member->second);
+    if (grant.is_played) {
+      play(grant, member->second);
     } else {
       sendOne(grant, member->second);
     }
   }
 }
 
+/** @brief Make the turns that are played for @p member: the one that is due, or those of a window.
+ */
+void Grants::play(const LockstepRounds::Grant& grant, SessionMember& member) {
+  run_.changed.add(grant.member, member);
+  if (!run_.rounds.windows().areThere()) {
+    member.turn = member.played.take();
+  } else {
+    member.played.takeUntil(grant.time, &member.walked);
+    if (run_.rounds.members().find(grant.member)->owes) {
+      return;  // it has a turn of its own in this window, too
+    }
+    run_.rounds.windows().walked(grant.member, member.walked.back().at);
+  }
+  run_.rounds.members().playNext(grant.member, member.played.next());
+}
+
 void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) {
   std::string items;
-  if (grant.happened) {
-    wire::append(items, wire::Happened{*grant.happened});
-  }
   if (const RoundWindows& windows = run_.rounds.windows(); windows.areThere()) {
     wire::append(items, windows.latestWindow());
+  }
+  if (grant.happened) {
+    wire::append(items, wire::Happened{*grant.happened});
   }
   if (std::exchange(member.has_changed, false)) {
     wire::append(items, wire::Changed{});
@@ -69,7 +83,7 @@ void Grants::sendOne(const LockstepRounds::Grant& grant, SessionMember& member) 
     return;
   }
   granted_.push_back(grant.member);
-  member.foreseen.clear();
+  member.played.stop();
   member.where.clear();
   member.silence_told = false;
   member.granted.assign(items, 0, items.size() <= kKeptGrant ? items.size() : 0);

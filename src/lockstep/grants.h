@@ -30,6 +30,7 @@ class Grants {
   ConnectionId lastAwaited();
 
  private:
+  void play(const LockstepRounds::Grant& grant, SessionMember& member);
   void sendOne(const LockstepRounds::Grant& grant, SessionMember& member);
 
   LockstepRun& run_;

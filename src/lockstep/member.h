@@ -12,38 +12,23 @@
 
 #include "connections.h"
 #include "lockstep/rounds/order.h"
-#include "lockstep/wire/wire.h"
+#include "played.h"
 
 namespace move_base_abstract {
-
-/**
- * @brief The actions of a turn, which wait for the end of the round, and the frame that they point
- * into.
- */
-struct PendingTurn {
-  std::shared_ptr<const std::string> frame;
-  std::vector<wire::ReportItem> items;
-};
-
-/** @brief A turn that a participant has had by itself in a window. */
-struct WalkedTurn {
-  Nanoseconds at = 0;  // simulated
-  PendingTurn turn;
-};
 
 struct SessionMember {
   ConnectionId connection = 0;
   std::string name;
   std::string node_uri;
-  std::string waits_for;             // its own words
-  std::string tells;                 // its own words: at which rates it sends, and to whom
-  std::uint64_t actions = 0;         // so far
-  PendingTurn turn;                  // none if `frame` is null
-  std::deque<PendingTurn> foreseen;  // from its latest report, still to come
-  std::deque<WalkedTurn> walked;     // turns that must wait, as others may act before them
-  bool departing = false;            // is removed when the round is over
-  bool dead = false;                 // ... as its connection was lost or dropped
-  bool crashing = false;             // has said that it ends by its own doing
+  std::string waits_for;          // its own words
+  std::string tells;              // its own words: at which rates it sends, and to whom
+  std::uint64_t actions = 0;      // so far
+  PendingTurn turn;               // none if `frame` is null
+  Played played;                  // what its latest report has played
+  std::deque<WalkedTurn> walked;  // turns that must wait, as others may act before them
+  bool departing = false;         // is removed when the round is over
+  bool dead = false;              // ... as its connection was lost or dropped
+  bool crashing = false;          // has said that it ends by its own doing
   std::string how;
   std::string granted;        // the items of its latest grant, if they are few
   std::string where;          // its own words, in the latest grant: what its thread does

@@ -8,64 +8,23 @@
 #include "clock/shown_text.h"
 
 namespace move_base_abstract {
-namespace {
-
-/** @brief Turns that a report has beforehand, with their instants. */
-struct Foreseen {
-  std::deque<Nanoseconds> instants;
-  std::deque<PendingTurn> turns;  // as many
-};
-
-void check(const wire::At& at, const wire::Report& report, Nanoseconds after) {
-  if (report.leaving) {
-    throw wire::MalformedFrame("AT must not be in a last report");
-  }
-  if (at.time_ns <= after || at.time_ns >= report.next_ns) {
-    throw wire::MalformedFrame("AT must be after " + secondsText(after) +
-                               " and before the wake-up of its report, " +
-                               secondsText(report.next_ns) + ", got " + secondsText(at.time_ns));
-  }
-}
-
-/**
- * @brief Take the AT items, and all items after them, out of @p report.
- *
- * @param bytes the bytes that the report's items point into.
- * @throws wire::MalformedFrame if an instant is not after the one before it (the first one: after
- * @p now), or not before the report's wake-up; if a turn does anything but send; or if this is a
- * last report.
- */
-Foreseen takeForeseen(wire::Report& report, const std::shared_ptr<const std::string>& bytes,
-                      Nanoseconds now) {
-  Foreseen foreseen;
-  const auto first = std::find_if(report.items.begin(), report.items.end(), [](const auto& item) {
-    return std::holds_alternative<wire::At>(item);
-  });
-  for (auto item = first; item != report.items.end(); ++item) {
-    if (const auto* at = std::get_if<wire::At>(&*item)) {
-      check(*at, report, foreseen.instants.empty() ? now : foreseen.instants.back());
-      foreseen.instants.push_back(at->time_ns);
-      foreseen.turns.push_back({bytes, {}});
-    } else if (std::holds_alternative<wire::Send>(*item)) {
-      foreseen.turns.back().items.push_back(*item);
-    } else {
-      throw wire::MalformedFrame("after AT there must be SEND and AT only");
-    }
-  }
-  report.items.erase(first, report.items.end());
-  return foreseen;
-}
-
-}  // namespace
 
 void Turns::take(MemberId id, wire::Report report,
                  const std::shared_ptr<const std::string>& bytes) {
   const bool is_last = report.leaving;
-  Foreseen foreseen = takeForeseen(report, bytes, run_.rounds.now());
-  run_.rounds.report(id, is_last ? kNever : report.next_ns, is_last ? 0 : report.open, run_.wall,
-                     std::move(foreseen.instants));
   SessionMember& member = run_.members.at(id);
-  member.foreseen = std::move(foreseen.turns);
+  std::vector<wire::ReportItem>& items = report.items;
+  items.erase(std::remove_if(items.begin(), items.end(),
+                             [&](const wire::ReportItem& item) {
+                               if (std::holds_alternative<wire::At>(item)) {
+                                 throw wire::MalformedFrame("AT must be in a window");
+                               }
+                               return member.played.takeItem(item, bytes, run_.rounds.now(),
+                                                             run_.radio != nullptr);
+                             }),
+              items.end());
+  run_.rounds.report(id, is_last ? kNever : report.next_ns, is_last ? 0 : report.open, run_.wall,
+                     is_last ? kNever : member.played.next());
   member.turn = {bytes, std::move(report.items)};
 }
 
@@ -192,11 +151,10 @@ void Turns::applyParameter(const SessionMember& member, const wire::Parameter& i
   run_.parameters.change(member.name, item);
 }
 
-/** @throws MessageRouter::BadAction if there is no radio, or @p motion is not valid. */
+/** @throws MessageRouter::BadAction if @p motion is not valid. */
 void Turns::applyMotion(MemberId id, const SessionMember& member, const wire::Motion& motion) {
   if (run_.radio == nullptr) {
-    throw MessageRouter::BadAction(quote(member.name) +
-                                   ": MOTION must be where WELCOME says that there is a radio");
+    return;
   }
   try {
     run_.radio->move(id, motion, run_.rounds.now());

@@ -12,26 +12,33 @@ namespace {
 /**
  * @brief Take the items out of @p report.
  * @param bytes the bytes that the report's items point into.
- * @return the turns of the report: the first at @p begin, the others at the instants of AT items.
- * @throws wire::MalformedFrame if an instant is before that of the previous turn, or not before @p
- * end.
+ * @param state its latest turn, and the end of its window.
+ * @return the turns of the report, the first of which is at its latest turn, and the others at the
+ * instants of AT items; and between these, what it has had played meanwhile.
+ * @throws wire::MalformedFrame if an instant is before that of the previous turn, or not before the
+ * end of the window; or as Played::takeItem() does.
  */
 std::deque<WalkedTurn> takeWalked(wire::Report& report,
                                   const std::shared_ptr<const std::string>& bytes,
-                                  Nanoseconds begin, Nanoseconds end) {
+                                  const MemberState& state, Played& played, bool has_radio) {
   std::deque<WalkedTurn> turns;
-  turns.push_back({begin, {bytes, {}}});
+  turns.push_back({state.latest, {bytes, {}}});
   for (wire::ReportItem& item : report.items) {
     const auto* const at = std::get_if<wire::At>(&item);
     if (at == nullptr) {
-      turns.back().turn.items.push_back(item);
+      if (!played.takeItem(item, bytes, turns.back().at, has_radio)) {
+        turns.back().turn.items.push_back(item);
+      }
       continue;
     }
-    if (at->time_ns < turns.back().at || at->time_ns >= end) {
+    if (at->time_ns < turns.back().at || at->time_ns >= state.window_end) {
       throw wire::MalformedFrame("AT must be from " + secondsText(turns.back().at) +
-                                 " on and before the end of the window, " + secondsText(end) +
-                                 ", got " + secondsText(at->time_ns));
+                                 " on and before the end of the window, " +
+                                 secondsText(state.window_end) + ", got " +
+                                 secondsText(at->time_ns));
     }
+    played.takeUntil(at->time_ns, &turns);
+    played.stop();
     turns.push_back({at->time_ns, {bytes, {}}});
   }
   report.items.clear();
@@ -55,13 +62,14 @@ void WalkedTurns::take(MemberId id, wire::Report report,
                        const std::shared_ptr<const std::string>& bytes) {
   SessionMember& member = run_.members.at(id);
   const MemberState& state = *run_.rounds.members().find(id);
-  std::deque<WalkedTurn> turns = takeWalked(report, bytes, state.latest, state.window_end);
+  std::deque<WalkedTurn> turns =
+      takeWalked(report, bytes, state, member.played, run_.radio != nullptr);
   for (const WalkedTurn& walked : turns) {
     checkSets(member, walked.turn);
   }
   run_.rounds.windows().walked(id, turns.back().at);
   run_.rounds.report(id, report.leaving ? kNever : report.next_ns, report.leaving ? 0 : report.open,
-                     run_.wall);
+                     run_.wall, report.leaving ? kNever : member.played.next());
   takeAtOnce(id, &turns);
   std::move(turns.begin(), turns.end(), std::back_inserter(member.walked));
 }

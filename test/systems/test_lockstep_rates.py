@@ -121,7 +121,7 @@ class Rates(unittest.TestCase):
         self.assertIn('idle at {}\n'.format(last_ns), run.watched)
 
     def test_without_foresight_all_is_the_same(self):
-        self.assert_same(run_once(foresee=False))
+        self.assert_same(run_once(play_output=False))
 
     def test_one_word_leaves_events_only_and_names_who_listens_in_vain(self):
         run = run_once(events_only=True)

@@ -69,7 +69,6 @@ struct Carried2 : Pair {
 wire::Send news(std::string_view payload, std::uint32_t sub = 0) {
   return {kNews, sub, 0, payload};
 }
-wire::At at(Nanoseconds seconds) { return {seconds * kSecond}; }
 
 TEST(Carried, ArrivesAtItsInstantAsAReasonForALeap) {
   Carried2 stage(after(kSecond));
@@ -199,13 +198,14 @@ TEST(Carried, ACallUnderWayFailsWhenItsServerStops) {
   EXPECT_EQ(stage.session.now(), 2 * kSecond);
 }
 
-TEST(Carried, EndsWhatTheReceiverHadForeseen) {
+TEST(Carried, EndsWhatTheReceiverHadPlayed) {
   Carried2 stage(by([](const Passage& passage) {
     return Carried{passage.from + (passage.name == "/news" ? kSecond : 0)};
   }));
   stage.report(1, kNever, {news("x")});
-  stage.report(2, 9 * kSecond, {at(3), wire::Send{kAnswers, 0, 0, "never"}});
-  EXPECT_EQ(grants(stage, 2), Texts{"2000+0: happened 0 deliver 1 1 x"});
+  stage.report(2, 9 * kSecond,
+               {wire::Play{kAnswers, 0, 0, false, 0, 3 * kSecond, kNever, "never", {}}});
+  EXPECT_EQ(grants(stage, 2), Texts{"2000+0: happened 1000 deliver 1 1 x"});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 1), Texts{});
 }

@@ -53,7 +53,7 @@ std::string itemText(const wire::GrantItem& item, const Who& who = {}) {
     return "answer " + s(a->number) + " " + s(static_cast<std::uint64_t>(a->status));
   }
   if (const auto* a = std::get_if<wire::Happened>(&item)) {
-    return "happened " + s(a->count);
+    return "happened " + std::to_string(a->until_ns / 1'000'000);
   }
   if (const auto* a = std::get_if<wire::DeliveryChosen>(&item)) {
     return "heard " + s(static_cast<std::uint64_t>(a->what)) + " " + s(topicOf(a->topic)) + " " +

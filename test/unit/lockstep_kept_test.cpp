@@ -222,11 +222,13 @@ TEST(Rounds, TicksOfOneInstantAreOneRoundAndSoAreItsMessagesToOneNode) {
   EXPECT_EQ(stage.session.status().rounds, before + 1);
 }
 
-TEST(Rounds, WhatWasToldBeforehandAndNobodyIsGrantedForIsNone) {
+TEST(Rounds, WhatIsPlayedAndNobodyIsGrantedForIsNone) {
   Linked stage;
   stage.begin(1050 * kMilli);
-  stage.report(1, kNever, {wire::At{1030 * kMilli}, pose("a"), wire::At{1040 * kMilli}, pose("b")});
-  // next_ns of a report is after what it tells beforehand: NEVER is.
+  const auto played = [](Nanoseconds at, std::string_view payload) {
+    return wire::Play{kPoses, 0, 0, false, 0, at * kMilli, kNever, payload, {}};
+  };
+  stage.report(1, kNever, {played(1030, "a"), played(1040, "b")});
   EXPECT_EQ(grants(stage, 2), Texts{"1050+0 (1030) a (1040) b (1050)"});
   EXPECT_EQ(stage.session.status().leaps, 4U);
   const auto rounds = stage.session.status().rounds;

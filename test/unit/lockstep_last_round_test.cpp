@@ -238,13 +238,15 @@ TEST(LastRound, OneThatLeavesInItEndsTheRunNoMore) {
   EXPECT_EQ(both.session.status().departures.size(), 2U);
 }
 
-TEST(LastRound, ForeseenTurnsAtItsInstantAreHeardAndLaterOnesAreNot) {
+TEST(LastRound, WhatIsPlayedAtItsInstantIsHeardAndWhatComesLaterIsNot) {
   Talkers both;
   both.report(2, 1200 * kMilli, {send("go")});
   EXPECT_EQ(grants(both, 1), Texts{"1100+1: go"});
   grants(both, 2);
-  both.report(1, 1900 * kMilli,
-              {wire::At{1200 * kMilli}, send("due"), wire::At{1300 * kMilli}, send("late")});
+  const auto played = [](Nanoseconds at, std::string_view payload) {
+    return wire::Play{kTopic, 0, 0, false, 0, at * kMilli, kNever, payload, {}};
+  };
+  both.report(1, 1900 * kMilli, {played(1200, "due"), played(1300, "late")});
   both.report(2, 1200 * kMilli);
   EXPECT_EQ(grants(both, 2), Texts{"1200+0:"});
   both.leaveWith({send("last")});

@@ -49,7 +49,8 @@ Report richReport() {
                   Asks{"/y"},
                   Idle{3},
                   KeepUntil{7},
-                  Motion{1, "robot_1", "pieces"}};
+                  Motion{1, "robot_1", "pieces"},
+                  Play{7, 1, 2, true, 3, 4, 5, "payload", "slots"}};
   return report;
 }
 
@@ -175,7 +176,7 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return up(frame.substr(4));
   };
   const std::size_t items = 4 + 1 + 8 + 1 + 8 + 4;
-  EXPECT_NE(patched(Unserve{1}, items, '\x16').find("kind of item must be from 1 to 21, got 22"),
+  EXPECT_NE(patched(Unserve{1}, items, '\x17').find("kind of item must be from 1 to 22, got 23"),
             std::string::npos);
   EXPECT_NE(patched(Unserve{1}, items, '\0').find("got 0"), std::string::npos);
   EXPECT_NE(patched(Note{}, items + 1, '\x08').find("NOTE: what must be from 1 to 7, got 8"),

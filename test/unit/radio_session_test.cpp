@@ -216,8 +216,8 @@ TEST(RadioSession, AMotionThatIsNoneEndsItsParticipant) {
   Stage wired(named({"/a"}));
   wired.join(1, "/a");
   wired.grant(1);
-  wired.report(1, kNever, {wire::Motion{0, "robot_1", piece(0, 0, 0)}});
-  EXPECT_NE(wired.end[1].find("where WELCOME says that there is a radio"), std::string::npos);
+  wired.report(1, kNever, {wire::Motion{0, "robot_1", "none"}});
+  EXPECT_NE(wired.end[1].find("a motion must have pieces of 80 bytes"), std::string::npos);
 }
 
 TEST(RadioSession, RobotsOfAFleetAreOnHostsOfTheirOwn) {

@@ -233,7 +233,7 @@ def test_any_leaps_give_one_call_each_on_the_first_multiple_still_due(period_ns,
     assert trace.queue.next_due_ns() == multiple
 
 
-# ---- what is foreseen
+# ---- what others do in the place of series
 
 SERIES = st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3), st.integers(0, 12)), min_size=1, max_size=6)
 OTHERS = st.lists(st.tuples(TIMES, st.integers(0, 3)), max_size=4)
@@ -256,35 +256,27 @@ def instant_by_instant(trace, until_ns):
         trace.queue.run_until(trace.queue.next_due_ns(), trace.present)
 
 
-@given(SERIES, OTHERS, st.integers(0, 60), st.integers(1, 20), st.data())
-def test_what_is_foreseen_is_what_happens_whatever_part_of_it_comes_to_pass(series, others, before_ns, most, data):
-    live, foreseeing = told_by(series, others), told_by(series, others)
-    instants, after_ns = foreseeing.queue.foresee(before_ns, most)
-    assert all(due_ns < after_ns <= before_ns for due_ns, _ in instants)
-    assert len(instants) <= most
-    assert all(due_ns < min([before_ns, *(due for due, _robot in others)]) for due_ns, _ in instants)
-    for due_ns, tellers in instants:
-        for teller in tellers:
-            teller.tell(due_ns)
-    told, foreseeing.lines = foreseeing.lines, []
-    passed = data.draw(st.integers(0, len(instants)))
-    if passed:
-        until_ns = instants[passed - 1][0]
-        foreseeing.lines = [line for line in told if line[0] <= until_ns]
-        foreseeing.queue.skip(until_ns)
+@given(SERIES, OTHERS, st.integers(0, 60), st.integers(0, 60))
+def test_series_whose_part_others_have_done_go_on_as_if_they_had_done_it(series, others, before_ns, until_ns):
+    live, other = told_by(series, others), told_by(series, others)
+    heard, end_ns = other.queue.heard_output(before_ns)
+    assert end_ns == min([before_ns, *(due for due, _robot in others)])
+    done = sorted((due_ns, place) for place, (first_ns, one) in enumerate(heard)
+                  for due_ns in range(first_ns, min(until_ns + 1, end_ns), one.period_ns))
+    for due_ns, place in done:
+        heard[place][1].tell(due_ns)
+    for due_ns, place in done:
+        heard[place][1].skip(due_ns)
     instant_by_instant(live, 60)
-    instant_by_instant(foreseeing, 60)
-    assert foreseeing.lines == live.lines
-    assert live.lines[:len(told)] == told
+    instant_by_instant(other, 60)
+    assert other.lines == live.lines
 
 
-def test_foreseeing_goes_on_up_to_the_first_event_of_another_kind():
+def test_heard_output_comes_in_its_order_and_ends_at_the_first_event_of_another_kind():
     trace = told_by([(10, 1, 10), (20, 0, 20)], [(40, 5)])
-    for before_ns, most, foreseen in ((1000, 100, ([10, 20, 30], 40)), (30, 100, ([10, 20], 30)), (1000, 1, ([10], 20)),
-                                      (10, 100, ([], 10))):
-        instants, after_ns = trace.queue.foresee(before_ns, most)
-        assert ([due_ns for due_ns, _ in instants], after_ns) == foreseen
-    assert [len(series) for _, series in trace.queue.foresee(1000, 100)[0]] == [1, 2, 1]
+    for before_ns, end_ns in ((1000, 40), (30, 30)):
+        heard, found_ns = trace.queue.heard_output(before_ns)
+        assert ([due_ns for due_ns, _ in heard], found_ns) == ([20, 10], end_ns)
     assert trace.lines == []
 
 

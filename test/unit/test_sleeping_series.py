@@ -79,14 +79,14 @@ def test_a_series_that_sleeps_can_be_stopped_and_started():
     assert heard.until(70) == [(52, 0), (62, 0)]
 
 
-def test_what_nobody_hears_is_not_foreseen():
+def test_what_nobody_hears_is_no_heard_output():
     heard = Heard()
     heard.heard[0] = True
     heard.until(1)
-    instants, after_ns = heard.simulation.foresee(31, 10)
-    assert ([due_ns for due_ns, _ in instants], after_ns) == ([10, 20, 30], 31)
+    output, end_ns = heard.simulation.queue.heard_output(31)
+    assert ([due_ns for due_ns, _ in output], end_ns) == ([10], 31)
     heard.heard[0] = False
-    assert heard.simulation.foresee(31, 10) == ([], 31)
+    assert heard.simulation.queue.heard_output(31) == ([], 31)
     heard.until(25)
     heard.heard[0] = True
     heard.simulation.wake()

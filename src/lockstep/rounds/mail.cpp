@@ -32,13 +32,13 @@ void RoundMail::post(MemberId id, Mail mail) {
     ++waiting_;
     return;
   }
-  const bool foresees = !member.foreseen.empty();  // its wake-ups are those of its foreseen turns
-  if (mail.keep == Keep::kLater && !foresees) {
+  const bool plays = member.played != kNever;  // its wake-ups are those of turns that are played
+  if (mail.keep == Keep::kLater && !plays) {
     postLater(id, member, mail);
     return;
   }
   const bool is_unread = mail.keep == Keep::kUnread && keeps_unread_;
-  if (!foresees && (is_unread || mail.keep == Keep::kStored)) {
+  if (!plays && (is_unread || mail.keep == Keep::kStored)) {
     posted_.push_back(id);
   } else {
     mail.keep = Keep::kNot;

@@ -21,7 +21,7 @@ void RoundMembers::gone(MemberId id) {
   }
   member.present = false;
   setNext(id, member, kNever);
-  member.foreseen.clear();
+  member.played = member.after_played = kNever;
   member.open = member.idle = 0;
   if (member.owes) {
     settle(member);
@@ -128,11 +128,10 @@ void RoundMembers::wakeResting() {
   resting_.clear();
 }
 
-/** @brief Take the member's earliest foreseen turn, which is due now. */
-void RoundMembers::takeForeseen(MemberId id, MemberState& member) {
-  member.foreseen.pop_front();
-  ++*member.happened;
-  setNext(id, member, member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
+void RoundMembers::playNext(MemberId id, Nanoseconds next) {
+  MemberState& member = at(id);
+  member.played = next < member.after_played ? next : kNever;
+  setNext(id, member, std::min(member.played, member.after_played));
 }
 
 /**

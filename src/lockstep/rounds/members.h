@@ -68,15 +68,15 @@ struct MemberState {
   std::uint32_t granted_mail = 0;
   bool granted_due = false;  // whether its wake-up was due at its latest grant
   std::vector<Mail> mail;
-  std::vector<LaterMail> later;           // handled before the mail
-  std::size_t later_bytes = 0;            // of the unread and stored mail in `later`
-  Nanoseconds keep_until = kNever;        // from then on unread mail is a reason for a grant
-  bool ready = false;                     // whether it is in the list of ready members
-  bool resting = false;                   // whether it is in the list of resting members
-  bool background = false;                // whether time does not go on for its wake-up alone
-  std::deque<Nanoseconds> foreseen;       // turns from its latest report, still to come
-  Nanoseconds after_foreseen = kNever;    // its wake-up after the foreseen turns
-  std::optional<std::uint32_t> happened;  // how many have come; nothing: none were foreseen
+  std::vector<LaterMail> later;         // handled before the mail
+  std::size_t later_bytes = 0;          // of the unread and stored mail in `later`
+  Nanoseconds keep_until = kNever;      // from then on unread mail is a reason for a grant
+  bool ready = false;                   // whether it is in the list of ready members
+  bool resting = false;                 // whether it is in the list of resting members
+  bool background = false;              // whether time does not go on for its wake-up alone
+  Nanoseconds played = kNever;          // its next turn that is played
+  Nanoseconds after_played = kNever;    // its wake-up after those
+  std::optional<Nanoseconds> happened;  // the latest one; nothing: none are played
   // With a lookahead:
   std::deque<Arrival> arrivals;  // not handed over yet, the earliest first
   Nanoseconds latest = 0;        // instant of its latest known turn
@@ -146,7 +146,11 @@ class RoundMembers {
   }
   /** @return the number of members that owe a report. */
   std::size_t owing() const { return owing_; }
-  void takeForeseen(MemberId id, MemberState& member);
+  /**
+   * @brief Note that the next turn that is played for @p id is at @p next, unless it is to have a
+   * turn of its own before.
+   */
+  void playNext(MemberId id, Nanoseconds next);
 
   // ---- from the reports of members ----
   /** @brief Note that time does not go on only for the wake-up that @p id has reported. */

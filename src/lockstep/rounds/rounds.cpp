@@ -40,7 +40,7 @@ void LockstepRounds::knock(MemberId id) {
 }
 
 void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
-                            std::deque<Nanoseconds> foreseen) {
+                            Nanoseconds played) {
   MemberState& member = members_.at(id);
   if (std::exchange(member.silence_told, false)) {
     events_.push_back({Event::Kind::kAnswered, id, wall - member.granted_wall});
@@ -51,11 +51,9 @@ void LockstepRounds::report(MemberId id, Nanoseconds next, std::uint32_t open, N
   member.background = false;
   member.keep_until = kNever;
   // Nothing can be due after the end of simulated time.
-  member.after_foreseen = next > kLastInstant ? kNever : next;
-  member.happened = foreseen.empty() ? std::nullopt : std::optional<std::uint32_t>(0);
-  member.foreseen = std::move(foreseen);
-  members_.setNext(id, member,
-                   member.foreseen.empty() ? member.after_foreseen : member.foreseen.front());
+  member.after_played = next > kLastInstant ? kNever : next;
+  members_.playNext(id, played);
+  member.happened = member.played == kNever ? std::nullopt : std::make_optional(clock_.time);
   if (next <= (windows_.areThere() ? member.latest : clock_.time)) {
     members_.makeReady(id, member);
   }
@@ -238,16 +236,24 @@ std::vector<LockstepRounds::Grant> LockstepRounds::nextWindow(Nanoseconds wall) 
 std::vector<LockstepRounds::Grant> LockstepRounds::grantWindow(Nanoseconds begin,
                                                                Nanoseconds wall) {
   idle_ = false;
-  return enterWindow(windows_.open(begin, gate_), wall);
+  std::vector<MemberId> ids = windows_.open(begin, gate_);
+  std::vector<Grant> grants;
+  for (const auto& [id, until] : windows_.played()) {
+    grants.push_back({id, clock_.rounds, until, 0, {}, true, {}, {}});
+  }
+  return enterWindow(std::move(ids), wall, std::move(grants));
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::enterWindow(std::vector<MemberId> ids,
-                                                               Nanoseconds wall) {
+                                                               Nanoseconds wall,
+                                                               std::vector<Grant> grants) {
   clock_.rounds += ids.empty() ? 0 : 1;
-  std::vector<Grant> grants;
   for (const MemberId id : ids) {
     MemberState& member = members_.at(id);
-    const Nanoseconds next = windows_.nextOf(member);
+    const Nanoseconds next = windows_.ownNextOf(member);
+    if (member.happened) {
+      member.happened = next - 1;
+    }
     grants.push_back(grantOne(id, member, wall));
     grants.back().time = next;
     grants.back().later += windows_.enter(member, next);
@@ -266,8 +272,8 @@ std::vector<LockstepRounds::Grant> LockstepRounds::grant(std::vector<MemberId> i
   std::vector<MemberId>& granted = watch_.begin(wall);
   for (const MemberId id : ids) {
     MemberState& member = members_.at(id);
-    if (isForeseen(member)) {
-      members_.takeForeseen(id, member);
+    if (!member.ready && !member.owes && member.played <= clock_.time) {
+      member.happened = clock_.time;
       grants.push_back({id, clock_.rounds, clock_.time, clock_.microstep, {}, true, {}, {}});
     } else {
       grants.push_back(grantOne(id, member, wall));
@@ -298,12 +304,6 @@ std::vector<LockstepRounds::Grant> LockstepRounds::lastRound(Nanoseconds wall) {
   return grant(std::move(ids), wall);
 }
 
-/** @return whether the turn that the member is to have now is a foreseen one. */
-bool LockstepRounds::isForeseen(const MemberState& member) const {
-  return !member.ready && !member.owes && !member.foreseen.empty() &&
-         member.foreseen.front() <= clock_.time;
-}
-
 LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member, Nanoseconds wall) {
   member.granted_due = member.next <= clock_.time;
   member.granted_mail = static_cast<std::uint32_t>(member.mail.size() + member.later.size());
@@ -314,7 +314,7 @@ LockstepRounds::Grant LockstepRounds::grantOne(MemberId id, MemberState& member,
   member.knocked = false;
   members_.expectReport(member);
   members_.setNext(id, member, kNever);
-  member.foreseen.clear();  // this grant may change all later turns
+  member.played = member.after_played = kNever;  // this grant may change all later turns
   std::vector<Mail> mail = mail_.take(id, member);
   return {id,
           clock_.rounds,

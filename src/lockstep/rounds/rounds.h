@@ -4,7 +4,6 @@
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <utility>
@@ -46,10 +45,11 @@ class LockstepRounds {
     Nanoseconds time;
     std::uint32_t microstep;
     std::vector<Mail> mail;  // in the order in which it is to be handled
-    bool foreseen = false;   // the turn is in a report already: the member sends none
-    std::optional<std::uint32_t>
-        happened;       // how many of its foreseen turns have come; no more will
-    std::string later;  // encoded items, to be handled before the mail
+    // The member sends no report: its turns are played, in a window those before `time`, and then
+    // RoundMembers::playNext() is called.
+    bool is_played = false;
+    std::optional<Nanoseconds> happened;  // up to it turns were played; no more will be
+    std::string later;                    // encoded items, to be handled before the mail
   };
 
   struct Event {
@@ -101,12 +101,11 @@ class LockstepRounds {
    *
    * @param next the member's wake-up [ns, simulated], or kNever.
    * @param open the number of its threads that wait without a timeout for something owed to them.
-   * @param foreseen the instants, ascending, after the present and before @p next, of turns whose
-   * actions it has reported beforehand. They count like granted turns, unless another grant comes
-   * first.
+   * @param played the first instant, after the present, of turns that are played in its place.
+   * They count like granted turns, until @p next or another grant.
    */
   void report(MemberId id, Nanoseconds next, std::uint32_t open, Nanoseconds wall,
-              std::deque<Nanoseconds> foreseen = {});
+              Nanoseconds played = kNever);
 
   // ---- decisions ----
   /**
@@ -159,11 +158,11 @@ class LockstepRounds {
   bool isLoop();
   std::vector<Grant> nextWindow(Nanoseconds wall);
   std::vector<Grant> grantWindow(Nanoseconds begin, Nanoseconds wall);
-  std::vector<Grant> enterWindow(std::vector<MemberId> ids, Nanoseconds wall);
+  std::vector<Grant> enterWindow(std::vector<MemberId> ids, Nanoseconds wall,
+                                 std::vector<Grant> grants = {});
   std::vector<Grant> lastRound(Nanoseconds wall);
   std::vector<Grant> grant(std::vector<MemberId> ids, Nanoseconds wall);
   Grant grantOne(MemberId id, MemberState& member, Nanoseconds wall);
-  bool isForeseen(const MemberState& member) const;
   Nanoseconds nextTime() const;
   void becomeIdle();
 

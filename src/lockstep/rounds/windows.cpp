@@ -5,8 +5,7 @@
 
 namespace move_base_abstract {
 
-/** @return the instant of the member's next turn, as far as is known, or kNever. */
-Nanoseconds RoundWindows::nextOf(const MemberState& member) const {
+Nanoseconds RoundWindows::ownNextOf(const MemberState& member) const {
   if (!member.present) {
     return kNever;
   }
@@ -16,7 +15,8 @@ Nanoseconds RoundWindows::nextOf(const MemberState& member) const {
   if (member.resting) {
     return member.latest;
   }
-  return member.arrivals.empty() ? member.next : std::min(member.next, member.arrivals.front().at);
+  return member.arrivals.empty() ? member.after_played
+                                 : std::min(member.after_played, member.arrivals.front().at);
 }
 
 Nanoseconds RoundWindows::begin() const {
@@ -111,13 +111,24 @@ std::vector<MemberId> RoundWindows::open(Nanoseconds begin, const RoundGate& gat
   std::vector<MemberId> ids;
   for (const auto& [id, member] : members_.all()) {
     const bool is_resting = member.resting && !member.ready;
-    if (nextOf(member) < end_ && is_resting == rests && member.held_until <= begin) {
+    if (ownNextOf(member) < end_ && is_resting == rests && member.held_until <= begin) {
       ids.push_back(id);
     }
   }
   members_.sort(ids);
   members_.forgetLists();  // members that are not granted now keep their states
   return ids;
+}
+
+std::vector<std::pair<MemberId, Nanoseconds>> RoundWindows::played() const {
+  std::vector<std::pair<MemberId, Nanoseconds>> played;
+  for (const auto& [id, member] : members_.all()) {
+    const Nanoseconds until = std::min(end_, ownNextOf(member));
+    if (member.played < until) {
+      played.emplace_back(id, until);
+    }
+  }
+  return played;
 }
 
 std::vector<MemberId> RoundWindows::openLast() {

@@ -7,7 +7,9 @@
 #ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
 #define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clock/scaled_clock.h"
@@ -58,7 +60,17 @@ class RoundWindows {
    * their order; none if there is no such mail.
    */
   std::vector<MemberId> openLast();
-  Nanoseconds nextOf(const MemberState& member) const;
+  /** @return the instant of the member's next turn, as far as is known, or kNever. */
+  Nanoseconds nextOf(const MemberState& member) const {
+    return member.present ? std::min(member.played, ownNextOf(member)) : kNever;
+  }
+  /** @return the same, of the turns that it has itself. */
+  Nanoseconds ownNextOf(const MemberState& member) const;
+  /**
+   * @return the members for which turns are played in the latest window, and the instant up to
+   * which they are: that of the member's own next turn, or the window's end.
+   */
+  std::vector<std::pair<MemberId, Nanoseconds>> played() const;
   std::string enter(MemberState& member, Nanoseconds next);
   Nanoseconds latest() const;
   Nanoseconds present() const;

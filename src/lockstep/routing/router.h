@@ -200,7 +200,8 @@ class MessageRouter {
   void act(const Action& by, const wire::ChooseDelivery& item);
   void act(const Action&, const wire::Log&) {}
   void act(const Action&, const wire::Note&) {}
-  void act(const Action&, const wire::At&) {}  // it was taken out of the report before
+  void act(const Action&, const wire::At&) {}  // it was taken out of the report before, as
+  void act(const Action&, const wire::Play&) {}
   void act(const Action&, const wire::Rest&) {}
   void act(const Action&, const wire::Background&) {}
   void act(const Action&, const wire::Parameter&) {}

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from heapq import heapify, heappop, heappush, heapreplace
+from heapq import heapify, heappop, heappush
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, List, Optional, Tuple
 
@@ -246,46 +246,27 @@ class EventQueue:
             action, item.action = item.action, None
             action(due_ns, now_ns)
 
-    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
-        """Return ([(due_ns, [Series, ...]), ...], end_ns): the next calls of series of output, before ``end_ns``.
+    def heard_output(self, before_ns: int) -> Tuple[List[Tuple[int, Series]], int]:
+        """Return ([(due_ns, Series), ...], end_ns): the heard series of output, in their order at an instant.
 
-        The list is in the order of time. It has all calls before ``end_ns`` [ns], which is the earliest of
-        ``before_ns`` [ns], the first instant at which anything else is due, and the instant after ``most`` instants
-        with calls. The queue does not change, except that series that nobody hears any more fall asleep. :meth:`skip`
-        says later how many of these calls have been made.
+        ``due_ns`` [ns] is when each is due next. ``end_ns`` [ns] is ``before_ns``, or
+        when anything else is due, if that is earlier. Series that nobody hears any more fall asleep.
         """
-        due_ns = self.next_due_ns()
+        first_ns = self.next_due_ns()
         if not self._output:
-            return [], before_ns if due_ns is None else min(before_ns, due_ns)
-        heap: List[Tuple[int, int, int, Series]] = []
+            return [], before_ns if first_ns is None else min(before_ns, first_ns)
+        heard = []
         for due_ns, robot_index, place, event in self._heap:
             if event.action is not None:
                 if event.output is None:
                     before_ns = min(before_ns, due_ns)
                 elif event.output.is_heard():
-                    heap.append((due_ns, robot_index, place, event.output))
+                    heard.append((robot_index, place, due_ns, event.output))
                 else:
                     event.cancel()
                     event.output.fall_asleep(due_ns)
-        heapify(heap)
-        instants: List[Tuple[int, List[Series]]] = []
-        while heap and heap[0][0] < before_ns:
-            due_ns, robot_index, place, series = heap[0]
-            if not instants or instants[-1][0] != due_ns:
-                if len(instants) == most:
-                    return instants, due_ns
-                instants.append((due_ns, []))
-            instants[-1][1].append(series)
-            heapreplace(heap, (due_ns + series.period_ns, robot_index, place, series))
-        return instants, before_ns
-
-    def skip(self, until_ns: int) -> None:
-        """Skip the calls that were foreseen up to ``until_ns`` [ns], because they have been made."""
-        while True:
-            due_ns = self.next_due_ns()
-            if due_ns is None or due_ns > until_ns:
-                return
-            heappop(self._heap)[3].output.skip(due_ns)  # type: ignore[union-attr]
+        heard.sort()
+        return [one[2:] for one in heard], before_ns
 
     def shift(self, by_ns: int) -> None:
         """Move all events by ``by_ns`` [ns]; their order stays."""
@@ -343,12 +324,14 @@ class Series:
             self._queue.count_output(-(self._output is not None))
 
     def tell(self, due_ns: int) -> None:
-        """Do the action now that is foreseen for ``due_ns`` [ns]."""
+        """Do the action now that is due at ``due_ns`` [ns]."""
         self._action(due_ns, due_ns)
 
     def skip(self, due_ns: int) -> None:
-        """Go on after ``due_ns`` [ns], whose action has been done beforehand."""
-        self._go_on(due_ns + self.period_ns)
+        """Go on after ``due_ns`` [ns], up to which others have done what this series does."""
+        if self._event is not None:
+            self._event.cancel()
+            self._go_on(due_ns + self.period_ns)
 
     def wake(self, now_ns: int) -> Optional[int]:
         """End the sleep: go on after ``now_ns`` [ns]. Return the last instant [ns] that was slept through, or None."""

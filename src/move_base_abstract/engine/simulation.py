@@ -1,7 +1,7 @@
 """One simulation: its event queue, and its present, the time up to which everything has happened."""
 from __future__ import annotations
 
-from typing import Callable, Iterable, List, Optional, Tuple
+from typing import Callable, Iterable, Optional, Tuple
 
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
@@ -56,12 +56,8 @@ class Simulation:
         """Return when the next event is due [ns], or None if there is none."""
         return self.now_ns if self.queue.is_ending else self.queue.next_due_ns()
 
-    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
-        """Foresee as :meth:`EventQueue.foresee` does."""
-        return self.queue.foresee(before_ns, most)
-
     def tell(self, due_ns: int, series: Iterable[Series]) -> None:
-        """Do what each of ``series`` foresees for ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
+        """Do what each of ``series`` does at ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
         present_ns, self.now_ns = self.now_ns, due_ns
         try:
             for one in series:
@@ -80,9 +76,15 @@ class Simulation:
             if missed_ns is not None:
                 self.tell(missed_ns, [series])
 
-    def skip(self, until_ns: int) -> None:
-        """Set the present to ``until_ns`` [ns]; the calls that were foreseen up to then have been made."""
-        self.queue.skip(until_ns)
+    def played(self, until_ns: int, last: Iterable[Tuple[int, Series]]) -> None:
+        """Set the present to ``until_ns`` [ns], up to which others have done what series do.
+
+        ``last`` has (the last instant [ns] at which they did, Series). That is done once more, so that all is as if it
+        had been done here; the caller must keep its messages from all listeners.
+        """
+        for due_ns, series in last:
+            series.skip(due_ns)
+            self.tell(due_ns, [series])
         self.now_ns = until_ns
 
     def series(self, robot_index: int, frequency: float, action: Callable[[int, int], Optional[int]],

@@ -10,6 +10,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, List, Optional
 
+from ..common.units import LAST_NS
 from .events import WRITTEN, Ended, GoalTaken, new
 from .outcome import REPLACED, TEXT_ACCEPTED, TEXT_ANOTHER_GOAL, TEXT_BEFORE_LAST_CANCEL, GoalState, Outcome
 from .task_events import TaskEnded
@@ -80,6 +81,12 @@ class GoalLedger:
         current, since_ns = self._current, now_ns - self._keep_ns
         return [record for record in self._records
                 if record is current or record.ended_ns is None or record.ended_ns >= since_ns]
+
+    def holds_before_ns(self, now_ns: int) -> int:
+        """Return the instant [ns] before which :meth:`records` stays as at ``now_ns`` [ns] if nothing happens."""
+        ends = [record.ended_ns for record in self.records(now_ns)
+                if record is not self._current and record.ended_ns is not None]
+        return min(ends) + self._keep_ns + 1 if ends else LAST_NS
 
     def receive(self, goal_id: str, stamp_ns: int, now_ns: int) -> Optional[GoalRecord]:
         """Take a goal in; return its record if it is accepted, which ends the goal that was active; None otherwise.

@@ -13,8 +13,8 @@ TABLE = (
     Parameter('lockstep_charge', 'none',
               string("'none', 'fixed:SECONDS', 'measured', 'measured:FILE', 'measured_cpu', 'measured_cpu:FILE' or "
                      "'replay:FILE'"), 'Simulated time that the work of the node takes.'),
-    Parameter('foresee', True, FLAG,
-              'Whether the time master gets periodic output beforehand; the events are the same, for comparing.'),
+    Parameter('play_output', True, FLAG,
+              'Whether the time master makes its periodic output; the events are the same, for comparing.'),
     Parameter('events_only', False, FLAG,
               'In lockstep, nothing is sent at a rate unless its own parameter says so; a namespace above counts, '
               'too.'),

@@ -9,8 +9,7 @@ Messages are handled by worker threads that have nothing else on their stack. A 
 callback is a thread like any other, and another worker takes over. So a callback may sleep or call services.
 
 This module knows no ROS and no sockets. ``channel.exchange()`` reports, waits for the next grant and returns its
-actions. Then ``channel.is_at_rest`` says whether no participant has anything left to do at this instant. A channel that
-can go on by itself has ``goes_on_to(due_ns)``, which replaces an exchange from which nothing but time would come.
+actions. Then ``channel.is_at_rest`` says whether no participant has anything left to do at this instant.
 """
 from __future__ import annotations
 
@@ -42,7 +41,6 @@ class Scheduler(Looking, Beside):
         self.shown_ns = [0]  # the same, for code that reads it in memory; the channel sets it, too
         self._source: Any = None
         self._is_source_busy = False
-        self._goes_on_to: Any = None
         self.is_closed = False
         self.turn_ident = 0
         self.beside = {}
@@ -64,7 +62,6 @@ class Scheduler(Looking, Beside):
     def set_source(self, source: Any) -> None:
         """Set the event source that grants drive: ``source.next_due_ns()`` -> int or None, ``source.run(now_ns)``."""
         self._source = source
-        self._goes_on_to = getattr(self._channel, 'goes_on_to', None)
 
     # --- threads and their tasks ------------------------------------------------------------------------------------
 
@@ -230,7 +227,7 @@ class Scheduler(Looking, Beside):
         return sleepers[0][0] if sleepers else NEVER
 
     @property
-    def can_foresee(self) -> bool:
+    def is_source_alone(self) -> bool:
         """Whether nothing but the event source can have something to do by itself, and the source is at rest."""
         return not (self._is_source_busy or self._outside or self._next_round)
 
@@ -363,17 +360,7 @@ class Scheduler(Looking, Beside):
                 return
             if mail:
                 continue
-            if self._source_goes_on():
-                mail.append(self._run_source)
-            else:
-                self._begin_round()
-
-    def _source_goes_on(self) -> bool:
-        """Return whether time has moved on to the source's next event, because nothing else comes before it."""
-        if self._goes_on_to is None or self._is_source_busy or self._conditions or self._next_round or self._resting:
-            return False
-        due_ns = self._source_due_ns()
-        return self.now_ns < due_ns < self.next_besides_source_ns() and self._goes_on_to(due_ns)
+            self._begin_round()
 
     def abandon(self) -> None:
         """Leave lockstep in a process that was forked, in which no other thread is left."""

@@ -24,8 +24,10 @@ ITEMS = {layout.name: layout for layout in wire_format.REPORT_ITEMS + wire_forma
 NoteKind: Any
 Delivery: Any
 CallStatus: Any
-NoteKind, Delivery, CallStatus = (IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
-                        for name in ('NoteKind', 'Delivery', 'CallStatus'))
+Slot: Any
+NoteKind, Delivery, CallStatus, Slot = (
+    IntEnum(name, [(value, number) for number, value in wire_format.CHOICES[name]])
+    for name in ('NoteKind', 'Delivery', 'CallStatus', 'Slot'))
 
 
 def _numbers(layouts: Any, names: Any) -> Any:
@@ -128,7 +130,7 @@ serve, unserve = _item('SERVE'), _item('UNSERVE')
 send, call, response = _item('SEND'), _item('CALL'), _item('RESPONSE')
 log, note, watch, at = _item('LOG'), _item('NOTE'), _item('WATCH'), _item('AT')
 rest, choose_delivery, background, idle = _item('REST'), _item('CHOOSE_DELIVERY'), _item('BACKGROUND'), _item('IDLE')
-keep_until, motion = _item('KEEP_UNTIL'), _item('MOTION')
+keep_until, motion, play = _item('KEEP_UNTIL'), _item('MOTION'), _item('PLAY')
 parameter, asks = _item('PARAMETER'), _item('ASKS')
 
 _hello = _writer('hello', FRAMES['HELLO'].fields)

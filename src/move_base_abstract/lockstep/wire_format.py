@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 9
+PROTOCOL = 10
 NEVER = 2 ** 63 - 1
 #: the largest frame, without its length field [bytes]; a longer one is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
@@ -33,6 +33,9 @@ CHOICES = {
     # all, but not before it does something anyway, because it only stores them (LATER); all, but it looks at them only
     # at its own wake-ups (UNREAD).
     'Delivery': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
+    # What differs in the later messages of PLAY: its number (u32), its stamp (two u32), the x, y and heading of a
+    # geometry_msgs/Pose, the speeds of a geometry_msgs/Twist.
+    'Slot': ((0, 'NUMBER'), (1, 'STAMP'), (2, 'POSE'), (3, 'TWIST')),
     # ERROR: the bytes are the server's text. OK: they are the response. NO_SERVER: no member has this service.
     # SERVER_GONE: the server left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -98,7 +101,7 @@ REPORT_ITEMS = (
                        'text values')),  # a JSON array
     Layout(11, 'NOTE', ('NoteKind what', 'text text')),
     Layout(12, 'WATCH', ('text service',)),  # its name
-    Layout(13, 'AT', ('instant time_ns',)),  # simulated; the instant of the turn to which the items that follow belong
+    Layout(13, 'AT', ('instant time_ns',)),  # simulated, in a window; the turn to which the items that follow belong
     Layout(14, 'REST', ()),  # asks for another grant, once, when no participant has anything left to do at this instant
     Layout(15, 'CHOOSE_DELIVERY', ('u32 topic',  # a topic to which it subscribes
                          'Delivery what')),
@@ -109,8 +112,15 @@ REPORT_ITEMS = (
     Layout(18, 'ASKS', ('text name',)),  # the participant has asked for this parameter, or for one below it
     Layout(19, 'IDLE', ('u32 count',)),  # the number of its threads that wait without end for work that may come
     Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on unread messages are a reason for a grant
-    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name; only if WELCOME says that there is a radio
+    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name
                           'bytes pieces')),  # how it moves from now on
+    # Messages that the time master makes and sends in the participant's place, until its next turn.
+    Layout(22, 'PLAY', ('u32 topic', 'u32 sub', 'u32 target',  # as in SEND
+                        'flag once',  # not if one of its topic and sub has been played at the same instant
+                        'u32 number',  # of the first message; it is counted on
+                        'instant first_ns', 'instant period_ns',  # simulated
+                        'bytes payload',  # of the first message
+                        'bytes slots')),  # what differs in the others: a byte, its kind, and a u32, its place, each
 )
 
 #: the items of a grant; `topic` and `service` are the numbers of the participant that gets the grant
@@ -129,7 +139,7 @@ GRANT_ITEMS = (
                           'bytes request')),
     Layout(7, 'ANSWER', ('u32 number', 'CallStatus status', 'bytes bytes')),
     Layout(8, 'FOUND', ('text service',)),  # its name
-    Layout(9, 'HAPPENED', ('u32 count',)),  # how many of the turns that the latest report told beforehand have happened
+    Layout(9, 'HAPPENED', ('instant until_ns',)),  # what the latest report had played was, up to and including it
     Layout(10, 'DELIVERY_CHOSEN', ('u32 topic',
                          'u32 receiver',  # its id
                          'Delivery what')),

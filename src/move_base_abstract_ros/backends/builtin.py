@@ -10,10 +10,10 @@ from nav_msgs.msg import Odometry
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.original import is_rasberry
 
-from ..lockstep.exchange import rollback
-from ..messages import conversions
+from ..lockstep.exchange import playing
+from ..messages import conversions, packing
 from ..messages.outlets import LatchedOutlets
-from ..messages.packing import InFrame, of_message
+from ..messages.packing import InFrame, Template, of_message
 from ..transforms import tf_hub
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ class BuiltinBackend:
                                                                                               self._base_frame)
         # Without a map odom is the global frame; tf allows no frame to be its own parent.
         self._odom_in_map = InFrame(global_frame, odom_frame) if odom_frame != global_frame else None
+        self._tf_slots = packing.slots_of_transforms([self._base_in_odom] if self._odom_in_map is None else
+                                                     [self._odom_in_map, self._base_in_odom])
         self._tf_told: Any = -1, None  # the last one sent to tf: stamp [ns], (pose, shift)
         self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
@@ -64,12 +66,14 @@ class BuiltinBackend:
         """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""
         told_ns, told = self._tf_told
         if stamp_ns <= told_ns:
+            playing.refuse()
             if (pose, self.shift) == told:
                 return
             stamp_ns = told_ns + 1
-        rollback.changes(self, '_tf_told')
-        self._tf_told = stamp_ns, (pose, self.shift)
-        tf_hub.send(self._base_frame, stamp_ns, partial(self._transforms, pose, self.shift))
+        if not playing.is_recording():
+            self._tf_told = stamp_ns, (pose, self.shift)
+        tf_hub.send(self._base_frame, stamp_ns, partial(self._transforms, pose, self.shift), self._tf_slots,
+                    self._is_shifted(self._odom_in_map))
 
     def looks(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
@@ -120,22 +124,30 @@ class BuiltinBackend:
 
     def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
-        return lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns)
+        return Template(lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns),
+                        self._base_in_map.pose_slots, self._is_shifted())
 
     def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
-        return lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns)
+        return Template(lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns),
+                        self._base_in_odom.odometry_slots, self._is_shifted(self._odom_in_map))
 
     def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
-        return lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns)
+        return Template(lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns),
+                        self._base_in_map.odometry_slots)
 
     @staticmethod
     def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float], _stamp_ns: int) -> Pack:
-        return of_message(conversions.to_pose(pose))
+        return Template(of_message(conversions.to_pose(pose)), packing.PLAIN_POSE_SLOTS)
 
     def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
-        return lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns)
+        return Template(lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns),
+                        self._base_in_map.pose_slots, self._is_shifted())
+
+    def _is_shifted(self, odometry_frame: Optional[InFrame] = None) -> bool:
+        """Return whether poses are not the robot's own. With a frame of odometry they are relative to that."""
+        return self.shift is not None and odometry_frame is None
 
 
 def _shifted(pose: Pose2D, shift: Optional[Pose2D]) -> Pose2D:

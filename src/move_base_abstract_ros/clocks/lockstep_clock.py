@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Iterable, List, Optional, Tuple
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep.task import TurnLost
 
-from ..lockstep.exchange import rollback
+from ..lockstep.exchange import playing
 from ..messages import outlets
 from .fault_log import FaultLog
 from .hearers import Hearers
@@ -82,7 +82,7 @@ class LockstepClock:
         So events of the robots come before requests of the same instant, as in the fleet in plain Python. The caller
         holds the lock and has the turn.
         """
-        if not rollback.is_recording():
+        if not playing.is_recording():
             self.simulation.advance(self.participant.now_ns)
         return self.simulation.now_ns
 
@@ -162,20 +162,20 @@ class LockstepClock:
         queue = self.simulation.queue
         return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
-    def foresee(self, before_ns: int, most: int) -> Tuple[List[Tuple[int, List[Series]]], int]:
-        """Return what :meth:`EventQueue.foresee` returns."""
+    def heard_output(self, before_ns: int) -> Tuple[List[Tuple[int, Series]], int]:
+        """Return what :meth:`EventQueue.heard_output` returns."""
         with self.lock:
-            return self.simulation.queue.foresee(before_ns, most)
+            return self.simulation.queue.heard_output(before_ns)
 
-    def tell(self, due_ns: int, series: Sequence[Series]) -> None:
-        """Do beforehand what ``series`` [Series] do at ``due_ns`` [ns], which foresee() has returned."""
+    def tell(self, due_ns: int, series: Series) -> None:
+        """Do what ``series`` (Series) does at ``due_ns`` [ns]."""
         with self.lock:
-            self.simulation.tell(due_ns, series)
+            self.simulation.tell(due_ns, [series])
 
-    def skip(self, until_ns: int) -> None:
-        """Go on at ``until_ns`` [ns]. All that was foreseen up to then has been done."""
-        with self.lock:
-            self.simulation.skip(until_ns)
+    def played(self, until_ns: int, last: Iterable[Tuple[int, Series]]) -> None:
+        """Go on at ``until_ns`` [ns], see :meth:`Simulation.played`."""
+        with self.lock, outlets.nobody_hears():
+            self.simulation.played(until_ns, last)
 
     def run(self, now_ns: int) -> None:
         """Run all events that are due up to ``now_ns`` [ns]."""

@@ -13,9 +13,10 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import EVENTS_ONLY
 from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
 from move_base_abstract.lockstep import wire
-from move_base_abstract.motion.told import packed, told_of
+from move_base_abstract.motion.told import packed, told, told_of
 
 from .. import lockstep
+from ..lockstep.exchange import playing
 from ..messages import outlets
 from ..process.clock_watch import watch_clock
 from ..transforms import tf_hub, tf_watch
@@ -231,6 +232,7 @@ class LockstepTiming:
     @staticmethod
     def tell_motion(robot: Robot, sub: int) -> None:
         """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio."""
+        playing.follow(sub, playing.Mover(robot.name, lambda: robot.leg, lambda leg: packed(told(leg))))
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
             def tell(now_ns: int) -> None:

@@ -13,7 +13,7 @@ from . import given, programs, roles, start_poses, started, what_counts
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
-_READ_ELSEWHERE = ('lockstep_rank', 'lockstep_charge', 'foresee', 'events_only', 'log_motion')
+_READ_ELSEWHERE = ('lockstep_rank', 'lockstep_charge', 'play_output', 'events_only', 'log_motion')
 _SAME_PLACE = 0.01  # m
 
 

@@ -13,7 +13,7 @@ import rospy
 
 from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
 
-from ..lockstep.exchange import rollback
+from ..lockstep.exchange import playing
 
 if TYPE_CHECKING:
     from .packing import Pack
@@ -149,22 +149,22 @@ class Outlet(rospy.SubscribeListener):
         """Send the message that ``pack`` makes to all listeners.
 
         :raises rospy.ROSException: if the topic has been closed while the node goes on.
-        :raises NotForeseeable: if an onlooker listens while messages are only foreseen, see :mod:`.rollback`.
+        :raises NotPlayable: if :mod:`.playing` records, and the message cannot be played.
         """
         impl = self._impl
         if _listeners.is_quiet or not self.is_heard():
+            return
+        if playing.is_recording():
+            playing.note(impl, pack)
             return
         impl.acquire()
         try:
             connections = impl.connections
             if len(connections) == 1 and hasattr(connections[0], 'write_message') and not impl.closed:
-                rollback.changes(impl, 'seq')
                 impl.seq += 1
                 data = pack(impl.seq)
                 impl.message_data_sent += len(data)
                 connections[0].write_message(data)
-            elif rollback.is_recording():
-                raise rollback.NotForeseeable(impl.resolved_name)
             else:
                 impl.publish(Packed(pack))
         finally:
@@ -232,8 +232,8 @@ class LatchedOutlet(Outlet):
         super().send(pack)
 
     def _keep(self, shown: Any, pack: Optional[Pack]) -> None:
-        rollback.changes(self, '_kept')
-        self._kept = shown, pack
+        if not playing.is_recording():
+            self._kept = shown, pack
 
     def greet(self, _peer_publish: Optional[Publish]) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
@@ -262,8 +262,8 @@ class LatchedOutlets:
 
     def show(self, *shown: Any) -> None:
         """Send the values to all listeners, in the order in which the topics were added; keep them for later ones."""
-        rollback.changes(self, 'shown')
-        self.shown = shown
+        if not playing.is_recording():
+            self.shown = shown
         if self._is_heard:
             for outlet in self._outlets:
                 if outlet.is_heard():

@@ -9,9 +9,10 @@ from __future__ import annotations
 import struct
 from io import BytesIO
 from math import cos, sin
-from typing import TYPE_CHECKING, Any, Callable, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
+from move_base_abstract.lockstep import wire
 from move_base_abstract.motion.geometry import quaternion_of_yaw
 
 if TYPE_CHECKING:
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 
 #: a packer
 Pack = Callable[[int], bytes]
+#: what differs from one message of a series to the next, each with its place in the bytes; None: that is not known
+Slots = Optional[Sequence[Tuple[wire.Slot, int]]]
+#: of a message that begins with a header, and of a geometry_msgs/Pose
+HEADER_SLOTS: Any = ((wire.Slot.NUMBER, 0), (wire.Slot.STAMP, 4))
+PLAIN_POSE_SLOTS: Any = ((wire.Slot.POSE, 0),)
 #: the bytes of a geometry_msgs/Twist of zeros, of a robot at rest
 ZERO_TWIST = bytes(48)
 _COVARIANCE = bytes(288)
@@ -28,6 +34,26 @@ _LENGTH = struct.Struct('<I')
 _HEAD_WITHOUT_FRAME = struct.Struct('<IIII')
 _TWIST = struct.Struct('<6d')
 _SCAN = struct.Struct('<7fI')
+
+
+class Template:
+    """A packer that says how its bytes follow from the message's number, its stamp, and its robot's motion.
+
+    ``slots``: where these stand. ``is_shifted``: the pose is not the robot's own, but its error comes on top.
+    ``is_once``: the message is sent once at an instant at most, for one robot.
+    """
+
+    __slots__ = ('_pack', 'is_once', 'is_shifted', 'slots')
+
+    def __init__(self, pack: Pack, slots: Slots, is_shifted: bool = False, is_once: bool = False) -> None:
+        self._pack = pack
+        self.slots = slots
+        self.is_shifted = is_shifted
+        self.is_once = is_once
+
+    def __call__(self, seq: int) -> bytes:
+        """Return the message's bytes."""
+        return self._pack(seq)
 
 
 def of_message(message: Any) -> Pack:
@@ -65,6 +91,12 @@ class InFrame:
         self._head = struct.Struct('<IIII{}s'.format(len(frame)))
         self._pose = struct.Struct('<IIII{}s7d'.format(len(frame)))
         self._pose_of_child = struct.Struct('<IIII{}sI{}s7d'.format(len(frame), len(child)))
+        pose, child_pose = self._pose.size - 56, self._pose_of_child.size - 56
+        #: the slots of :meth:`pose_stamped` and :meth:`pose_with_covariance`, and of :meth:`odometry`
+        self.pose_slots: Any = (*HEADER_SLOTS, (wire.Slot.POSE, pose))
+        self.odometry_slots: Any = (*HEADER_SLOTS, (wire.Slot.POSE, child_pose),
+                                    (wire.Slot.TWIST, self._pose_of_child.size + len(_COVARIANCE)))
+        self.transform_size = self._pose_of_child.size
 
     def head(self, seq: int, stamp_ns: int) -> bytes:
         """Return the bytes of the header."""
@@ -124,6 +156,22 @@ class InFrame:
 def transforms(packed: Sequence[bytes]) -> bytes:
     """Return a tf2_msgs/TFMessage; ``packed`` is a list of TransformStamped as bytes."""
     return _LENGTH.pack(len(packed)) + b''.join(packed)
+
+
+def behind_header(size: int, slots: Slots) -> Slots:
+    """Return the slots of a message with a header without a frame, ``size`` more bytes, and what has ``slots``."""
+    begin = _HEAD_WITHOUT_FRAME.size + size
+    return None if slots is None else (*HEADER_SLOTS, *((kind, begin + place) for kind, place in slots))
+
+
+def slots_of_transforms(frames: Sequence[InFrame]) -> Slots:
+    """Return the slots of :func:`transforms` with one of each of ``frames``, if the robot's pose is in the last one."""
+    slots: List[Any] = []
+    begin = _LENGTH.size
+    for frame in frames:
+        slots.append((wire.Slot.STAMP, begin + 4))
+        begin += frame.transform_size
+    return (*slots, (wire.Slot.POSE, begin - 56))
 
 
 def status(goal_id: str, stamp_ns: int, state: int, said: str) -> bytes:

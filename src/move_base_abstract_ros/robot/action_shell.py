@@ -11,6 +11,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from move_base_abstract.common.units import NS_PER_S
 
 from .. import lockstep
+from ..lockstep.exchange import playing
 from ..messages import packing
 from ..messages.outbox import Outbox
 from ..messages.outlets import LatchedOutlet, Outlet, Packed
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from move_base_abstract.goals.task_events import TaskEnded
 
     from ..messages.outlets import Publish
-    from ..messages.packing import Pack
+    from ..messages.packing import Pack, Slots
     from .host import Host
 
 
@@ -120,13 +121,20 @@ class ActionShell:
                 if len(self._arrivals) > _KEPT_ARRIVALS:  # the oldest ones are of ids that were answered long ago
                     del self._arrivals[next(iter(self._arrivals))]
 
-    def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int) -> None:
-        """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns]."""
-        self._outbox.send(self._feedback, self._pack_feedback(record, feedback, stamp_ns))
+    def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None,
+                         is_shifted: bool = False) -> None:
+        """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns].
 
-    def _pack_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int) -> Pack:
-        told = self._pack(record) + feedback
-        return lambda seq: packing.header(seq, stamp_ns) + told
+        ``slots``, ``is_shifted``: those of ``feedback``, as in :class:`.packing.Template`.
+        """
+        self._outbox.send(self._feedback, self._pack_feedback(record, feedback, stamp_ns, slots, is_shifted))
+
+    def _pack_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None,
+                       is_shifted: bool = False) -> Pack:
+        before = self._pack(record)
+        told = before + feedback
+        return packing.Template(lambda seq: packing.header(seq, stamp_ns) + told,
+                                packing.behind_header(len(before), slots), is_shifted)
 
     def _greet(self, peer_publish: Publish) -> None:
         present = self.present_feedback()
@@ -176,7 +184,8 @@ class ActionShell:
     def _pack_status(self, now_ns: int) -> Pack:
         with self._clock.lock:
             told = [self._pack(record) for record in self._ledger.records(now_ns)]
-        return lambda seq: packing.statuses(seq, told, now_ns)
+            playing.holds_before(self._ledger.holds_before_ns(now_ns))
+        return packing.Template(lambda seq: packing.statuses(seq, told, now_ns), packing.HEADER_SLOTS)
 
     def _pack(self, record: Union[Ended, TaskEnded, GoalRecord]) -> bytes:
         """Return the bytes of the GoalStatus of ``record``. The latest are kept, since they are often sent again."""

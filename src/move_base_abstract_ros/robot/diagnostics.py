@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from move_base_abstract.common.units import NS_PER_S
 
 from .. import lockstep
-from ..lockstep.exchange import rollback
+from ..lockstep.exchange import playing
 from ..messages import conversions, packing
 from ..messages.outlets import Outlet
 from .heartbeat import Heartbeat
@@ -56,7 +56,7 @@ class RobotDiagnostics:
 
     def send(self, now_ns: int) -> None:
         """Publish the condition at ``now_ns`` [ns], if any node hears it."""
-        rollback.changes(self, '_latest')
+        playing.refuse()  # it follows from more than the instant
         self._latest = level, text, values = self._tell()
         if self._shared.outlet.is_heard():
             status = DiagnosticStatus(level=level, name=self._name + ': condition', message=text,

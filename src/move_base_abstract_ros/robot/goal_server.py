@@ -8,7 +8,7 @@ from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 
 from move_base_abstract.goals.events import Departed, Ended
 
-from ..lockstep.exchange import rollback
+from ..lockstep.exchange import playing
 from ..messages.packing import InFrame
 from ..messages.unpacking import GoalIn
 from .action_shell import ActionShell, ActionTypes
@@ -97,15 +97,17 @@ class GoalServer:
             return self._clock.wall_to_ns(_DEAF_SECONDS)
         told: Any = (record.goal_id, stamp_ns)
         if self._feedback_throttle.ready() or (is_last and told != self._told):
-            rollback.changes(self, '_told')
-            self._told = told
+            if not playing.is_recording():
+                self._told = told
             self._shell.publish_feedback(*self._values(record, pose, stamp_ns))
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
-    def _values(self, record: GoalRecord, pose: Pose2D, stamp_ns: int) -> Tuple[GoalRecord, bytes, int]:
-        return record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns
+    def _values(self, record: GoalRecord, pose: Pose2D, stamp_ns: int) -> Tuple[Any, ...]:
+        is_shifted = self._navigator.robot.reported.shift is not None
+        return (record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns,
+                self._in_global_frame.pose_slots[1:], is_shifted)
 
-    def _present(self) -> Optional[Tuple[GoalRecord, bytes, int]]:
+    def _present(self) -> Optional[Tuple[Any, ...]]:
         now_ns = self._clock.newcomers_ns()
         if now_ns is None:
             return None

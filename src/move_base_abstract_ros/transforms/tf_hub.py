@@ -14,12 +14,13 @@ from tf2_msgs.msg import TFMessage
 
 from move_base_abstract.engine.event_queue import NOBODY
 
-from ..lockstep.exchange import rollback
+from ..lockstep.exchange import playing
 from ..messages import packing
 from ..messages.outlets import Outlet, Packed
 
 if TYPE_CHECKING:
     from ..messages.outlets import Publish
+    from ..messages.packing import Slots
 
     Make = Callable[[int], List[bytes]]
 
@@ -36,22 +37,23 @@ class _Hub:
         self._outlet: Optional[Outlet] = None
         self._collected: Optional[List[Callable[[], List[bytes]]]] = None
 
-    def send(self, key: str, stamp_ns: int, make: Make) -> None:
+    def send(self, key: str, stamp_ns: int, make: Make, slots: Slots = None, is_shifted: bool = False) -> None:
         """Publish the transforms ``make(stamp_ns)``, or keep them for the :meth:`batch`.
 
         ``make(stamp_ns)`` returns a list of TransformStamped as bytes, dated ``stamp_ns`` [ns]. ``key`` identifies
-        their owner, a robot for example. Without a listener ``make`` is not called.
+        their owner, a robot for example. Without a listener ``make`` is not called. ``slots``, ``is_shifted``: those of
+        the whole message, as in :class:`.packing.Template`.
         """
         with self._lock:
-            if self._latest is not None:
-                rollback.changes_entry(self._latest, key)
+            if self._latest is not None and not playing.is_recording():
                 self._latest[key] = stamp_ns, make
             if self._collected is not None:
                 self._collected.append(partial(make, stamp_ns))
             elif key in self._met and stamp_ns <= self._met[key][0]:
+                playing.refuse()
                 self._publish_beside_newcomers(key, stamp_ns, make)
             else:
-                self._publish([partial(make, stamp_ns)])
+                self._publish([partial(make, stamp_ns)], slots, is_shifted)
 
     def _publish_beside_newcomers(self, key: str, stamp_ns: int, make: Make) -> None:
         """Publish the transforms of an instant at which newcomers were told of them. They get only what differs.
@@ -128,10 +130,13 @@ class _Hub:
                 if collected:
                     self._publish(collected)
 
-    def _publish(self, makes: Sequence[Callable[[], List[bytes]]]) -> None:
+    def _publish(self, makes: Sequence[Callable[[], List[bytes]]], slots: Slots = None,
+                 is_shifted: bool = False) -> None:
         if self._outlet is None:
             self._outlet = Outlet('/tf', TFMessage, queue_size=100, greet=self._greet)
-        self._outlet.send(lambda _seq: packing.transforms([transform for make in makes for transform in make()]))
+        self._outlet.send(packing.Template(
+            lambda _seq: packing.transforms([transform for make in makes for transform in make()]), slots, is_shifted,
+            is_once=True))
 
 
 _HUB = _Hub()

@@ -1,1 +1,1 @@
-"""Exchange with the time master: the connection, topics, services, and foreseen turns."""
+"""Exchange with the time master: the connection, topics, services, and played output."""

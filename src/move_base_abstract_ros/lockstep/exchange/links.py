@@ -8,7 +8,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rospy
 
@@ -148,11 +148,15 @@ class MemberLinks:
         """Add a serialised message to the report."""
         self.stat_bytes += len(data)
         self.stat_num_msg += 1
+        topic, sub, targets = self.address()
+        for target in targets:
+            self._participant.add(wire.send(topic, sub, target, data))
+
+    def address(self) -> Tuple[int, int, Sequence[int]]:
+        """Return (topic, sub, targets) of a message that is sent now, as in SEND."""
         index = getattr(_local, 'index', None)
-        sub = self.sub if index is None else index
         # A node that begins to listen in this round gets the latched message when this publisher is told of the node.
-        for target in self._targets():
-            self._participant.add(wire.send(self._topic, sub, target, data))
+        return self._topic, self.sub if index is None else index, self._targets()
 
     def _targets(self) -> Sequence[int]:
         if self._delivery or self.spared:

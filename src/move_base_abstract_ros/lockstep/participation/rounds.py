@@ -16,7 +16,7 @@ from move_base_abstract.lockstep.task import TurnLost
 from move_base_abstract.lockstep.window import Window
 
 from ..exchange.connection import Closed
-from ..exchange.foresight import Foresight
+from ..exchange.playing import Player
 from ..waiting import pools
 from . import finish, garbage
 from .report_delays import make_beginning, make_delay
@@ -50,7 +50,7 @@ class Rounds:
         self._connection = connection
         self._items: List[Item] = []
         self._is_charged = type(charge) is not NoCharge
-        self._foresight: Any = None
+        self._player: Any = None
         self._source_is_background: Any = None
         self._undone: Callable[[], str] = str
         self._has_mail = False
@@ -84,16 +84,16 @@ class Rounds:
         finally:
             self._keeps_starting = False
 
-    def set_source(self, source: LockstepClock, foresees: Callable[[], bool]) -> None:
+    def set_source(self, source: LockstepClock, plays: Callable[[], bool]) -> None:
         """Drive the events of ``source`` by the grants, see :meth:`.Participant.set_source`.
 
-        ``foresees()`` returns whether foreseen turns are reported; it is called if the source can foresee.
+        ``plays()`` returns whether the time master plays output; it is called if the source has output.
         """
         self.scheduler.set_source(source)
         self._source_is_background = getattr(source, 'is_background', None)
         self._undone = getattr(source, 'undone', str)
-        if not self._is_charged and hasattr(source, 'foresee') and foresees():
-            self._foresight = Foresight(source)
+        if not self._is_charged and hasattr(source, 'heard_output') and plays():
+            self._player = Player(source)
 
     def add(self, item: Item) -> None:
         """Add ``item`` to the next report: bytes, or a function that returns them at the end of the round.
@@ -125,27 +125,12 @@ class Rounds:
         is_resting = self.scheduler.is_resting
         if is_resting:
             self._items.append(wire.rest())
-        self._report(next_ns, may_foresee=not (deferred or is_resting))
+        self._report(next_ns, may_play=not (deferred or is_resting))
         actions = self.await_grant()
         # No mail has come, and no other thread had asked for a round.
         self.is_at_rest = is_resting and not (
             self._has_mail or self.scheduler.has_outside or next_ns <= self.scheduler.now_ns)
         return deferred + actions + garbage.due()
-
-    def goes_on_to(self, due_ns: int) -> bool:
-        """Begin the turn at ``due_ns`` [ns] without an exchange, if an exchange would bring nothing but time.
-
-        Return whether that is so.
-        """
-        if self._foresight is None or not self.window.is_open or due_ns >= self.window.first_arrival_ns:
-            return False
-        self._end_turn()
-        self.is_starting = False
-        is_free = not (self._is_background() or self.scheduler.has_outside)
-        if is_free and self.window.walk(due_ns, self.scheduler.now_ns, self._items):
-            self._begin_turn(*self.window.next_turn())
-            return True
-        return False
 
     def let_time_pass(self) -> List[Any]:
         """Let the round's charged time pass, if it has sent anything; return the functions of grants meanwhile."""
@@ -186,10 +171,15 @@ class Rounds:
             tell()
         self._items[:] = [item() if callable(item) else item for item in self._items]
 
-    def _report(self, next_ns: int, may_foresee: bool = False) -> None:
-        is_background = may_foresee and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
+    def _report(self, next_ns: int, may_play: bool = False) -> None:
+        is_background = may_play and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
+        plays = (may_play and self._player is not None and self.scheduler.is_source_alone and not is_background
+                 and next_ns > self.scheduler.now_ns)
+        if plays:
+            next_ns = self._player.tell(self.scheduler.now_ns, min(
+                self.scheduler.next_besides_source_ns(), self.window.first_arrival_ns), self._items)
         if self.window.is_open:
-            self.is_starting, may_foresee = self._keeps_starting, False
+            self.is_starting = self._keeps_starting
             self._end_turn()
             is_free = not (is_background or self.scheduler.has_outside)
             if is_free and self.window.walk(next_ns, self.scheduler.now_ns, self._items):
@@ -210,9 +200,6 @@ class Rounds:
         self.is_starting = self._keeps_starting
         if is_background:
             self._items.append(wire.background())
-        elif (may_foresee and self._foresight is not None and self.scheduler.can_foresee
-              and next_ns > self.scheduler.now_ns):
-            next_ns = self._foresight.tell(self.scheduler.next_besides_source_ns(), self._items)
         if self._delay is not None:
             self._delay()
         try:
@@ -222,13 +209,16 @@ class Rounds:
 
     def _is_background(self) -> bool:
         """Return whether only onlookers would notice if time did not go on to the next event."""
-        return (self._source_is_background is not None and self.scheduler.can_foresee
+        return (self._source_is_background is not None and self.scheduler.is_source_alone
                 and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
 
     def await_grant(self) -> List[Callable[..., Any]]:
         """Wait for the next grant, and return its items as functions to be called in this order."""
         if self.window.walks_to_ns is not None:
-            return self._begin_turn(*self.window.next_turn())
+            now_ns, items = self.window.next_turn()
+            if self._player is not None:
+                self._player.happened(now_ns - 1)
+            return self._begin_turn(now_ns, items)
         try:
             while True:
                 kind, body = self._connection.receive()
@@ -255,9 +245,9 @@ class Rounds:
                 actions.append(partial(self._handlers[item[0]], *item[1:]))
         return actions
 
-    def _on_happened(self, count: int) -> None:
-        """Take back the foreseen turns that have not happened. This comes before all other items."""
-        self._foresight.came_to_pass(count)
+    def _on_happened(self, until_ns: int) -> None:
+        """Go on behind what has been played. This comes before all other items."""
+        self._player.happened(until_ns)
 
     def knock(self) -> None:
         """Ask the time master for a grant. For any thread."""

@@ -106,9 +106,9 @@ class Participant:
         """Drive the events of ``source`` by the grants.
 
         ``source.next_due_ns()`` returns the next instant [ns] or None, and ``source.run(now_ns)`` runs what is due. A
-        source that can foresee some of its events also has the methods that :class:`.Foresight` asks for.
+        source with output that can be played also has the methods that :class:`.Player` asks for.
         """
-        self.rounds.set_source(source, lambda: rospy.get_param('~foresee', True) is not False)
+        self.rounds.set_source(source, lambda: rospy.get_param('~play_output', True) is not False)
 
     def serve(self) -> None:
         """Give the turn away for good: callbacks and events go on, and the calling thread takes no more turns."""

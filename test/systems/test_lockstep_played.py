@@ -1,4 +1,4 @@
-"""Messages that a fleet sends beforehand are those that it would send in its turns, at their instants, to the byte."""
+"""What the time master plays is what a fleet would send in its turns, at their instants, to the byte."""
 import os
 import sys
 import unittest
@@ -23,12 +23,12 @@ rospy.spin()
 """
 
 
-def run_once(condition=Condition(), foresee=True, followers=1, onlooker=False):
+def run_once(condition=Condition(), plays=True, followers=1, onlooker=False):
     """Return a run of followers and their fleet, with all messages in its log, what they ``said``, and ``watched``."""
     names = ['/follower_{}'.format(number) for number in range(followers)]
     with InLockstep(['/fleet', *names], condition, log_messages=True) as run:
         run.ros.run('fleet', 'fleet', parameters={
-            'foresee': foresee, 'defaults': RATES,
+            'play_output': plays, 'defaults': RATES,
             'robots': [{'name': 'robot_{}'.format(i), 'start_y': 2.0 * i} for i in range(3)]})
         watching = run.ros.spawn('/onlooker', [sys.executable, '-c', ONLOOKER]) if onlooker else None
         children = [run.ros.spawn(name, [find_executable('lockstep'), FOLLOWER, '__name:=' + name[1:]])
@@ -39,18 +39,18 @@ def run_once(condition=Condition(), foresee=True, followers=1, onlooker=False):
     return run
 
 
-class Foresight(unittest.TestCase):
+class Played(unittest.TestCase):
     """Each test compares with one run in which the fleet gets a grant for each of its turns."""
 
     @classmethod
     def setUpClass(cls):
-        cls.plain = run_once(foresee=False)
+        cls.plain = run_once(plays=False)
 
     def assert_same(self, run):
         self.assertEqual(run.said, self.plain.said)
         assert_same(self, self.plain.events, run.events)
 
-    def test_the_plain_run_has_all_that_can_be_foreseen_and_what_takes_it_back(self):
+    def test_the_plain_run_has_all_that_can_be_played_and_what_ends_it(self):
         topics = [robot for _, robot, kind, _ in self.plain.events if kind == 'message']
         for topic in ('/robot_0/move_base/feedback', '/robot_2/odom', '/tf'):
             self.assertGreater(topics.count(topic), 200, topic)
