@@ -19,7 +19,7 @@ FILES = {
       <rosparam file="$(find robot_of_nobody)/param/costmap.yaml" command="load" ns="global_costmap"/>
       <param name="max_speed" value="2.0"/>
     </node>
-    <node pkg="amcl" type="amcl" name="amcl"/>
+    <node pkg="amcl" type="amcl" name="amcl"><param name="initial_cov_xx" value="0.5"/></node>
   </group>
 </launch>
 """,
@@ -93,6 +93,8 @@ class AdoptTest(OwnFolder, unittest.TestCase):
         ended = [(robot, time_ns) for time_ns, robot, kind, _ in events if kind == 'ended']
         self.assertEqual(ended, [('a', 1000000000 + 3500000000), ('b', 4500000000 + 1750000000)], told)
         self.assertTrue(log.end['repeatable'], log.end)
+        self.assertIn('note: of this file these parameters have no effect:\n    /a/amcl and /b/amcl: initial_cov_xx\n',
+                      told)
         words = shlex.split(next(line[len(TOLD):] for line in told.splitlines() if line.startswith(TOLD)))
         words[words.index(first)] = second
         self.assertEqual(self.run_it('lockstep_launch', *words)[0], 0)

@@ -25,7 +25,6 @@ FILE = """<launch>
   </node>
 </launch>"""
 GRID = {'/move_base/use_map': True, '/move_base/routes': 'grid', '/move_base/leave_obstacles': True}
-NO_EFFECT = 'of this file these parameters have no effect: '
 
 
 @pytest.fixture(name='file')
@@ -171,22 +170,22 @@ def test_parameters_without_an_effect_are_named_in_one_list(file):
       plugins: [{name: s, type: "costmap_2d::StaticLayer"}, {name: keepout, type: "costmap_2d::StaticLayer"},
         {name: i, type: "costmap_2d::InflationLayer"}, {name: o, type: "costmap_2d::ObstacleLayer"}],
       i: {inflation_radius: 0.3, cost_scaling_factor: 5.0}}, Unknown: {of: {nobody: 1}}, tf_prefix: r"""))
-    line, = remarks(made, NO_EFFECT)
-    assert line == NO_EFFECT + (
-        '/amcl: initial_cov_xx; /move_base: global_costmap/i/cost_scaling_factor, global_costmap/keepout/map_topic, '
-        'global_costmap/obstacle_range, global_costmap/plugins, oscillation_timeout, planner_patience (only with '
-        'abort_policy: upstream), r/far, recovery_behaviors (only with abort_policy: upstream), Unknown/of/nobody')
+    assert made.unread == (
+        '/amcl: initial_cov_xx',
+        '/move_base: global_costmap/i/cost_scaling_factor, global_costmap/keepout/map_topic, '
+        'global_costmap/obstacle_range,',
+        '    global_costmap/plugins, oscillation_timeout, planner_patience (only with abort_policy: upstream), r/far,',
+        '    recovery_behaviors (only with abort_policy: upstream), Unknown/of/nobody')
 
 
 def test_robots_with_the_same_parameters_share_an_entry_and_the_policy_makes_patience_count(package):
     group = """<group ns="{}"><node pkg="move_base" type="move_base" name="move_base">
       <rosparam>{{planner_patience: 3.0, controller_patience: 2.0}}</rosparam></node></group>"""
     path = package('two.launch', '<launch>{}{}</launch>'.format(group.format('a'), group.format('b')))
-    line, = remarks(adopt(path), NO_EFFECT)
-    assert line == NO_EFFECT + ('/a/move_base and /b/move_base: controller_patience, planner_patience (only with '
-                                'abort_policy: upstream)')
+    assert adopt(path).unread == (
+        '/a/move_base and /b/move_base: controller_patience, planner_patience (only with abort_policy: upstream)',)
     made = adopt(path, param={'/a/move_base/abort_policy': 'upstream', '/b/move_base/abort_policy': 'upstream'})
-    assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/a/move_base and /b/move_base: controller_patience']
+    assert made.unread == ('/a/move_base and /b/move_base: controller_patience',)
 
 
 @pytest.mark.parametrize(('robot', 'add'), [
@@ -199,7 +198,7 @@ def test_a_robot_that_is_added_is_one_like_those_of_the_file(package, robot, add
     made = adopt(package('added.launch', text.format(SERVER, robot, 2.0, 0.25)), add=add)
     assert not made.problems
     assert remarks(made, '/r/move_base uses the map of /map_server, ') and remarks(made, 'tolerances 0.25 m')
-    assert remarks(made, NO_EFFECT) == [NO_EFFECT + '/r/move_base: controller_patience']
+    assert made.unread == ('/r/move_base: controller_patience',)
     problem, = adopt(package('added.launch', text.format(SERVER, robot, 2.0, -1.0)), add=add).problems
     assert problem.startswith('/r/move_base would end with an error: parameter /r/move_base/xy_goal_tolerance: got -1')
 

@@ -21,13 +21,14 @@ class Adopted(NamedTuple):
     """The result of :func:`adopt`.
 
     ``options``: the given ones, and those that the rules add. ``done``, ``remarks``, ``problems``: texts for the user.
-    If there is a problem, the file cannot run.
+    If there is a problem, the file cannot run. ``unread``: lines, the parameters of the file that have no effect.
     """
 
     options: object
     done: tuple
     remarks: tuple
     problems: tuple
+    unread: tuple
 
 
 def adopt(config, options, read_settings):
@@ -77,7 +78,7 @@ class _Adoption:
         self._stage_offsets()
         self._clocks(kept)
         self._fatal(kept)
-        what_counts.say_unread(self)
+        unread = what_counts.unread(self)
         asked = self.options
         options = replace(
             asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
@@ -85,7 +86,7 @@ class _Adoption:
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
             start={**asked.start, **self.starts}, is_told=True, no_respawn=asked.no_respawn or any(
                 node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
-        return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems))
+        return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems), tuple(unread))
 
     def is_out(self, node):
         return roles.name_of(node) in (*self.left_out, *self.options.leave_out)

@@ -5,6 +5,7 @@
 import math
 import os
 import shlex
+import textwrap
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import error
@@ -12,6 +13,8 @@ from move_base_abstract.common.kinds import error
 from ..adopting import poses, robots, served
 from ..loopback import PACKAGE
 from . import given, roles
+
+_WIDTH = 116  # columns
 
 
 def use_maps(adoption, kept):
@@ -166,8 +169,8 @@ def _all(names):
     return names[0] if len(names) == 1 else '{} and {}'.format(', '.join(names[:-1]), names[-1])
 
 
-def say_unread(adoption):
-    """Name the parameters of our robots, and of nodes that are left out or replaced, that have no effect."""
+def unread(adoption):
+    """Return lines with the parameters of our robots, and of nodes left out or replaced, that have no effect."""
     keys = [key for key in adoption.config.params if not poses.is_of_place(key)]
     names = [*map(roles.name_of, adoption.config.nodes), *adoption.options.add, *adoption.added]
     out = [roles.name_of(node) for node in adoption.config.nodes if adoption.is_out(node)]
@@ -182,9 +185,9 @@ def say_unread(adoption):
             continue  # its program is started, and reads what it wants
         if paths:
             found.setdefault(tuple(paths), []).append(name)
-    if found:
-        adoption.remarks.append('of this file these parameters have no effect: ' + '; '.join(
-            '{}: {}'.format(_all(owners), ', '.join(paths)) for paths, owners in found.items()))
+    return [line for paths, owners in found.items() for line in textwrap.wrap(
+        '{}: {}'.format(_all(owners), ', '.join(paths)), _WIDTH, subsequent_indent='    ', break_long_words=False,
+        break_on_hyphens=False)]
 
 
 def _below(owner, others, keys):

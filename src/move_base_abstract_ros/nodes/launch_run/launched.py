@@ -236,6 +236,8 @@ def _adopted(config, asked, options):
         say(_printable(line))
     for line in found.remarks:
         say('note: ' + _printable(line))
+    if found.unread:
+        say('\n    '.join(['note: of this file these parameters have no effect:', *map(_printable, found.unread)]))
     say('the same by options: ' + _typed(options, found.options))
     if found.problems:
         raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
