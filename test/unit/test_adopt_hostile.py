@@ -1,9 +1,11 @@
 """Launch files and worlds that are wrong, huge or without an end: told with their place, and never a traceback."""
+import itertools
 import os
 
 import pytest
 from roslaunch.core import RLException
 
+from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract_ros.adopting import neighbours, poses, reading, worlds
 from move_base_abstract_ros.launching import plan
 from strangers_package import adopt, package_fixture  # noqa: F401 - a fixture
@@ -61,6 +63,16 @@ def test_parameters_that_stand_for_more_than_anybody_holds_are_refused(package, 
     with pytest.raises(RLException, match='with aliases 500000 values') as caught:
         adopt(package('one.launch', '<launch><rosparam file="$(dirname)/bomb.yaml" command="load"/></launch>'))
     assert 'one.launch:1' in str(caught.value)
+
+
+@pytest.mark.parametrize('name, value', [('end_at', '{a: 1}'), *itertools.product(
+    ['mode', 'participants', 'end_with', 'onlookers', 'event_log'], ['{a: 1}', '{a: {b: [c]}}', '[[a]]', '3', '[1]'])])
+def test_a_wrong_value_of_the_time_masters_that_the_launcher_replaces_is_refused(package, name, value):
+    path = package('one.launch', '<launch><node pkg="move_base_abstract" type="time_master" name="time_master">'
+                   '<rosparam>{}: {}</rosparam></node>{}</launch>'.format(
+                       name, value, ROBOT.replace('"move_base"', '"move_base_abstract"', 1)))
+    with pytest.raises(ConfigurationError, match=r'/time_master/{}(\[0\])?: got .*; allowed: '.format(name)):
+        plan.make_plan([path], plan.LaunchOptions(parameters={'end_at': 5.0}))
 
 
 def test_aliases_are_read(package):

@@ -12,7 +12,7 @@ from roslaunch import substitution_args
 from roslaunch.loader import convert_value
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import list_of, string, text
+from move_base_abstract.common.kinds import error, list_of, one_of, string, text
 from move_base_abstract.common.options import options_of
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
@@ -26,6 +26,7 @@ from . import given, look_ups, roles, start_poses, started
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
 _NOT_COVERED = TIME_MASTER + '/not_covered'
+_NODES = list_of(text(), 'a list of names of nodes')
 
 
 @dataclass(frozen=True)
@@ -329,7 +330,7 @@ def _add_time_master(config, found, options):
     if _value(config, '/use_sim_time', None) is False:
         notes.append('/use_sim_time is true, not false')
     named = _named(config)
-    _checked(config, 'event_log', string('the path of a file, or nothing'), '')
+    _check_given(config, options.parameters)
     taking = [role.name for role in found if role.takes_part]
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
     _set(config, '/use_sim_time', True)
@@ -350,9 +351,24 @@ def _reverse(config, taking):
         node.env_args = [*node.env_args, (report_delays.FIRST_VARIABLE, '{}:{}'.format(_LATE_TURNS, number * step))]
 
 
+def _check_given(config, others):
+    """Check what the file says of parameters that are set here, since the time master does not see it.
+
+    ``others``: the names of those that options set.
+    """
+    _checked(config, 'mode', one_of('scaled', 'lockstep'), 'scaled')
+    _checked(config, 'event_log', string('the path of a file, or nothing'), '')
+    for name in ('end_with', 'onlookers'):
+        _checked(config, name, _NODES, [])
+    for name in others:
+        value = _value(config, '{}/{}'.format(TIME_MASTER, name), None)
+        if isinstance(value, dict):
+            raise error('{}/{}'.format(TIME_MASTER, name), value, 'no mapping')
+
+
 def _named(config):
     """Return the full names of the participants that the launch file names. Something else may start them."""
-    named = _checked(config, 'participants', list_of(text(), 'a list of names of nodes'), [])
+    named = _checked(config, 'participants', _NODES, [])
     return [rosgraph.names.ns_join('/', name) for name in named]
 
 
@@ -365,7 +381,8 @@ def _checked(config, name, kind, default):
 
 def _value(config, key, default):
     param = config.params.get(key)
-    return default if param is None else param.value
+    below = {name[len(key) + 1:]: one.value for name, one in config.params.items() if name.startswith(key + '/')}
+    return below or (default if param is None else param.value)  # roslaunch has a row for each key of a mapping
 
 
 def _set(config, key, value):
