@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 PACKAGE = 'move_base_abstract'
 MASTER_TRIES = 3  # another process may take the free port before the master binds it
 MASTER_TIMEOUT = 20.0  # s, wall
-END_TIMEOUT = 4.0  # s, wall, from the polite signal to SIGKILL
+END_TIMEOUT = 15.0  # s, wall, from the polite signal to SIGKILL; as roslaunch's. A log is written in it
 LOG_LINES = 12  # number of last lines that are shown of a child that died
 
 
