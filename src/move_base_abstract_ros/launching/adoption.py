@@ -78,7 +78,6 @@ class _Adoption:
         self._stage_offsets()
         self._clocks(kept)
         self._fatal(kept)
-        unread = what_counts.unread(self)
         asked = self.options
         options = replace(
             asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
@@ -86,7 +85,7 @@ class _Adoption:
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
             start={**asked.start, **self.starts}, is_told=True, no_respawn=asked.no_respawn or any(
                 node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
-        return Adopted(options, tuple(self.done), tuple(self.remarks), tuple(self.problems), tuple(unread))
+        return Adopted(options, *map(tuple, (self.done, self.remarks, self.problems, what_counts.unread(self))))
 
     def is_out(self, node):
         return roles.name_of(node) in (*self.left_out, *self.options.leave_out)
