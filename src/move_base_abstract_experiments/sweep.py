@@ -132,7 +132,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
     from roslaunch.arg_dump import get_args
 
     from move_base_abstract_ros.launching import roles
-    from move_base_abstract_ros.launching.command_line import typed
+    from move_base_abstract_ros.launching.command_line import of_adopted
     experiment = trial.experiment
     path = launch_files.find(trial.launch, experiment.folder)
     # roslaunch ignores arguments that are not declared. It cannot list the declared ones if packages are missing.
@@ -143,8 +143,7 @@ def _check_launch(trial: Trial, notes: Dict[str, str]) -> None:
             raise unknown('args: the argument', name, declared)
     config, options = launch_files.with_options(trial)
     if experiment.adopt:
-        notes.setdefault('adopt', 'what is made of the launch file, and what of it has no effect: ' + typed(
-            'lockstep_launch', ['--list'], trial.run_options, [path, *trial.arguments]))
+        notes.setdefault('adopt', of_adopted(trial.run_options, [path, *trial.arguments]))
     names = [roles.name_of(node) for node in config.nodes]
     for key, nodes in (('participants', experiment.participants or ()), ('participant', experiment.participant),
                        ('onlooker', experiment.onlooker), ('leave_out', experiment.leave_out)):

@@ -100,12 +100,13 @@ class AdoptTest(OwnFolder, unittest.TestCase):
         self.assertEqual(self.run_it('lockstep_launch', *words)[0], 0)
         self.assertTrue(filecmp.cmp(first, second, shallow=False))
 
-    def test_an_experiment_and_chaos_say_how_to_see_what_is_made_of_the_file(self):
+    def test_experiment_chaos_and_verify_say_how_to_see_what_is_made_of_the_file(self):
         for name, text in FILES.items():
             self.write(name, text, 0o755)
         self.write('a.yaml', 'experiment: a\nlaunch: launch/two.launch\nadopt: true\nuntil: {idle: true}\n')
         for words in (('experiment', 'run', 'a.yaml', '-o', 'out', '--workers', '1'),
-                      ('chaos', '--seeds', '1', '--adopt', self.path('launch/two.launch'))):
+                      ('chaos', '--seeds', '1', '--adopt', self.path('launch/two.launch')),
+                      ('verify', '--runs', '2', '--adopt', self.path('launch/two.launch'))):
             said = self.run_it(*words)[1]
             line = next((one for one in said.splitlines() if 'what is made of the launch file' in one), said)
             code, told = self.run_it(*shlex.split(line.partition('rosrun move_base_abstract ')[2]))

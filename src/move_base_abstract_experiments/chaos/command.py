@@ -93,8 +93,7 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
     begin = time.monotonic()
     with Runs(document_of(path, arguments, more), os.getcwd(), options.workers, options.delay, wanted) as runs:
         if options.asked.adopt:
-            _say('what is made of the launch file, and what of it has no effect: ' + command_line.typed(
-                'lockstep_launch', ['--list'], options.asked, options.command))
+            _say(command_line.of_adopted(options.asked, options.command))
         # The stated order, seed 0, comes first. If it fails, no chaos is needed.
         seeds = [RunRequest(0), *map(RunRequest, range(first, last + 1))]
         gathered = Gathering()

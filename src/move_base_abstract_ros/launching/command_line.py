@@ -64,6 +64,12 @@ def files_of(parser, words):
     return [(os.path.abspath(found[0]), arguments)]
 
 
+def of_adopted(run, command):
+    """Return a line that says how to see what `--adopt` makes of a launch file. ``command``: the file's words."""
+    return 'what is made of the launch file, and what of it has no effect: ' + typed(
+        'lockstep_launch', ['--list'], run, command)
+
+
 def typed(program, *parts):
     """Return a command that can be typed: ``program`` of this package, with records of options, or words, in turn."""
     words = [word for part in parts for word in (part if isinstance(part, (list, tuple)) else words_of(part))]

@@ -73,6 +73,8 @@ def _verify(options, launch_words):
                                           verification.CANNOT)
         os.close(_FOLDER.make(folder))
     code = None
+    if options.run.adopt:
+        _say(command_line.of_adopted(options.run, options.command))
     try:
         run = verification.Verification(_start, launch_words, _next_steps(options), folder, options.time_limit, _say)
         code = run.verify(_names(options))
