@@ -6,6 +6,7 @@ from own_folder import OwnPackage
 
 RESULT = """#!/usr/bin/env python3
 import os, sys
+from os import _exit
 import rospy
 from std_msgs.msg import Float64, String
 rospy.init_node('result')
@@ -24,6 +25,8 @@ elif ending == 'exit':
     sys.exit(0)
 elif ending == 'at_once':
     os._exit(0)
+elif ending == 'at_once_by_name':
+    _exit(0)
 elif ending == 'shutdown':
     rospy.signal_shutdown('done')
 elif ending == 'stays':
@@ -71,7 +74,7 @@ class LastMessageTest(OwnPackage, unittest.TestCase):
         return said, heard, log.end
 
     def test_whoever_hears_it_hears_the_last_one_too(self):
-        for ending in ('returns', 'hook', 'crash', 'exit', 'at_once', 'shutdown'):
+        for ending in ('returns', 'hook', 'crash', 'exit', 'at_once', 'at_once_by_name', 'shutdown'):
             with self.subTest(ending=ending):
                 said, heard, end = self._run(ending, code=3 if ending == 'crash' else 0)
                 self.assertIn(('/result', 'last', LAST), heard)

@@ -75,6 +75,7 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     event_loops.install(seen, before_node.take_part)
     garbage.install()
     threads.watch_start(before_node.take_part)
+    finish.watch_ends()
     kernel_waits.install(sleep.wait)
     native.install(start, seen, sleep.by)
     arenas.install(os.environ)

@@ -36,8 +36,9 @@ _LOOK_SECONDS = 0.25  # wall
 _WAITING = ('threading.py', 'queue.py', 'locks.py', 'scheduler.py', 'waits.py', 'watchdog.py', 'finish.py')
 _REPLACED = 'new node registered with same name'
 #: code: the exit code, None for the program's own; ending: the thread that ends the node; is_watched: whether
-#: :func:`end_what_is_stuck` was called
-_state = SimpleNamespace(code=None, ending=None, is_watched=False)
+#: :func:`end_what_is_stuck` was called; is_told_of_ends: whether :func:`watch_ends` was; participant: the one of the
+#: process ``pid``
+_state = SimpleNamespace(code=None, ending=None, is_watched=False, is_told_of_ends=False, participant=None, pid=None)
 
 #: reasons that rospy gives if a signal ends the node; the program's own thread may have the turn then
 _INTERRUPTS = ('signal-', 'keyboard interrupt')
@@ -77,7 +78,8 @@ def install(participant: Participant) -> None:
             original(reason)
         return _signal_shutdown
 
-    _tell_ends(participant)
+    _state.participant, _state.pid = participant, os.getpid()
+    watch_ends()
     replace('threading._shutdown', shutdown)
     replace_within(rospy.core.signal_shutdown, signal_shutdown)
     replace('sys.excepthook', excepthook)
@@ -100,29 +102,41 @@ def _is_raised_by_program(error: Optional[BaseException]) -> bool:
     return dis.opname[codes[-1].co_code[at]] == 'RAISE_VARARGS' and _is_raised_by_program(error.__context__)
 
 
-def _tell_ends(participant: Participant) -> None:
-    """Tell the time master before the process ends itself at once, so that it is not taken for one that is killed."""
-    own_pid = os.getpid()
+def watch_ends() -> None:
+    """Tell the time master before the process ends itself at once, so that it is not taken for one that is killed.
 
-    def exit_at_once(original: Callable[[int], NoReturn]) -> Callable[[int], NoReturn]:
-        def _exit(status: int) -> NoReturn:
-            """End the process without clean-up; what the program has published before is heard all the same."""
-            if os.getpid() == own_pid and participant.scheduler.is_mine():
-                participant.leave('os._exit')
-            elif os.getpid() == own_pid:
-                participant.crashing()
-            original(status)
-        return _exit
+    The program's own lines come after this, since it may import the functions by their names.
+    """
+    if not _state.is_told_of_ends:
+        _state.is_told_of_ends = True
+        replace('os._exit', _exiting_at_once)
+        replace('os.kill', _killing)
 
-    def kill(original: Callable[[int, int], None]) -> Callable[[int, int], None]:
-        def _kill(pid: int, number: int) -> None:
-            if (pid, number) == (own_pid, signal.SIGKILL):
-                participant.crashing()
-            original(pid, number)
-        return _kill
 
-    replace('os._exit', exit_at_once)
-    replace('os.kill', kill)
+def _exiting_at_once(original: Callable[[int], NoReturn]) -> Callable[[int], NoReturn]:
+    def _exit(status: int) -> NoReturn:
+        """End the process without clean-up; what the program has published before is heard all the same."""
+        participant = _participant_here()
+        if participant is not None and participant.scheduler.is_mine():
+            participant.leave('os._exit')
+        elif participant is not None:
+            participant.crashing()
+        original(status)
+    return _exit
+
+
+def _killing(original: Callable[[int, int], None]) -> Callable[[int, int], None]:
+    def kill(pid: int, number: int) -> None:
+        participant = _participant_here()
+        if participant is not None and (pid, number) == (os.getpid(), signal.SIGKILL):
+            participant.crashing()
+        original(pid, number)
+    return kill
+
+
+def _participant_here() -> Optional[Participant]:
+    """Return the participant, None in a child that was forked, and before the process takes part."""
+    return _state.participant if os.getpid() == _state.pid else None
 
 
 def end_node(reason: str, as_wished: bool) -> None:
