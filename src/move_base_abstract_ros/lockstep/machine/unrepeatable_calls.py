@@ -56,6 +56,7 @@ _STARTS = ('subprocess.Popen', 'os.system', 'os.posix_spawn', 'os.exec', 'os.for
 _PROCESSOR = 'says how long the processor has worked, or how busy the machine is'
 _WOKEN = 'has the kernel wake the program by the wall clock'
 _COMPUTER = 'differs from computer to computer'
+_EVERYWHERE = 'localhost'  # a name of a computer that does not differ
 _WRITTEN = 'says when a file was written, by the wall clock'
 _THREADS = 'counts threads of ROS, too, which come and go by the wall clock'
 #: {function: label}; it counts if the program's own code calls it
@@ -138,9 +139,10 @@ def hand_on(clocks: Any) -> None:
 def _telling(function: Any, name: str, why: str) -> Callable[..., Any]:
     def call(*args: Any, **kwds: Any) -> Any:
         frame = sys._getframe(1)
-        if is_own(frame) or asks_for_program(frame.f_code.co_filename):
+        found = function(*args, **kwds)
+        if found != _EVERYWHERE and (is_own(frame) or asks_for_program(frame.f_code.co_filename)):
             told.tell(own_frame(frame), name, why)
-        return function(*args, **kwds)
+        return found
     return call
 
 
