@@ -2,6 +2,7 @@
 
 Each file runs in a process of its own (`make test`, or `python3 -m pytest FILE`), since a process can be one node only.
 """
+import atexit
 import os
 import shutil
 import sys
@@ -26,6 +27,13 @@ def pytest_configure(config):
                       TMPDIR=config.systems_folder, ROS_HOME=os.path.join(config.systems_folder, 'ros'),
                       ROS_LOG_DIR=os.path.join(config.systems_folder, 'ros', 'log'))
     tempfile.tempdir = config.systems_folder
+    # What is registered first is called last: after genpy and others have removed their folders in it.
+    atexit.register(_remove, config.systems_folder, os.getpid())
+
+
+def _remove(folder, pid):
+    if os.getpid() == pid:  # not in a child that was forked
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items):
@@ -66,9 +74,3 @@ def pytest_terminal_summary(terminalreporter, config):
         if lines:
             terminalreporter.section(str(path.relative_to(config.systems_folder)), sep='-')
             terminalreporter.write_line('\n'.join(lines))
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_unconfigure(config):
-    """Remove the folder."""
-    shutil.rmtree(config.systems_folder, ignore_errors=True)
