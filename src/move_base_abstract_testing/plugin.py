@@ -77,14 +77,22 @@ def _marked(item: Any) -> Dict[str, Any]:
 @pytest.fixture  # type: ignore[misc]
 def lockstep(request: Any) -> Iterator[Lockstep]:
     """Give a system in lockstep. See move_base_abstract_testing.system_under_test.Lockstep."""
+    from move_base_abstract.common.errors import SimulatorError
+
     from .settings import OF_TESTS
     from .system_under_test import Lockstep
     node = request.node
     given = {key: value for key, value in _marked(node).items() if key not in OF_TESTS}
     system = Lockstep(node.lockstep_folder, os.path.dirname(str(node.fspath)), getattr(request, 'param', None))
     node.lockstep_system = system  # for the test's report, by which a broken property is a failure of the test
-    if given:
-        system.start(**given)
+    problem = ''
+    try:
+        if given:
+            system.start(**given)
+    except SimulatorError as error:
+        problem = str(error)
+    if problem:  # not within ``except``, where pytest would also show the first error with its traceback
+        pytest.fail(problem, pytrace=False)
     try:
         yield system
     finally:

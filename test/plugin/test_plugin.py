@@ -235,6 +235,12 @@ def test_tests_that_are_wrong_say_why(session, name):
     assert FAILS[name] in session[0][name], session[1]
 
 
+@pytest.mark.parametrize('name', [name for name in FAILS if name.endswith(('too_soon_is_named', 'known_is_named'))])
+def test_a_system_that_cannot_start_shows_no_code_of_ours(session, name):
+    assert 'move_base_abstract_testing' not in session[0][name].replace('-p move_base_abstract_testing', '')
+    assert session[0][name].lstrip().startswith(FAILS[name])
+
+
 def test_that_a_node_has_ended_is_told_again_to_who_catches_all_exceptions():
     system = object.__new__(System)
     system._run = SimpleNamespace(gone=lambda: ('/late', 1, ['no such file']) if told else None)
