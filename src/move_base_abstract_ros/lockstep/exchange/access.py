@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import Any, Dict
 
 import rospy
 
@@ -24,10 +25,11 @@ def connect(patience_s: float = math.inf) -> Connection:
     give_up_at = time.monotonic() + patience_s
     warn_at = time.monotonic() + wire_format.CONNECT_REMINDER_MS * 1e-3
     while not rospy.is_shutdown():
-        if not is_lockstep():
+        told = _told()
+        if told.get('mode') != 'lockstep':
             raise ConfigurationError("{}: parameter /time_master/mode: got {!r}; allowed, for a node that takes part: "
-                                     "'lockstep'".format(rospy.get_name(), rospy.get_param('/time_master/mode', '')))
-        address = str(rospy.get_param('/time_master/lockstep_address', ''))
+                                     "'lockstep'".format(rospy.get_name(), told.get('mode', '')))
+        address = str(told.get('lockstep_address', ''))
         host, _, port = address.rpartition(':')
         if host and port.isdigit():
             try:
@@ -46,8 +48,14 @@ def connect(patience_s: float = math.inf) -> Connection:
 
 def secret() -> bytes:
     """Return the secret of the run (bytes), from the time master's parameters."""
-    return run_secret(rospy.get_param('/time_master/lockstep_secret', ''),
-                      rospy.get_param('/time_master/lockstep_secret_file', ''))
+    told = _told()
+    return run_secret(told.get('lockstep_secret', ''), told.get('lockstep_secret_file', ''))
+
+
+def _told() -> Dict[str, Any]:
+    """Return the parameters of the time master, by one call of the ROS master."""
+    found = rospy.get_param('/time_master', {})
+    return found if isinstance(found, dict) else {}
 
 
 def is_awaited(name: str) -> bool:
