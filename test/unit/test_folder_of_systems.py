@@ -17,7 +17,8 @@ def test_what_removes_its_own_folder_at_the_end_finds_it(tmp_path):
     (tmp_path / 'test_one.py').write_text(TEST)
     (tmp_path / 'tmp').mkdir()
     done = subprocess.run([sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', '-c', os.devnull,
-                           '--rootdir', str(tmp_path), str(tmp_path)], env=dict(os.environ, TMPDIR=str(tmp_path / 'tmp')),
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100, check=False)
+                           '--rootdir', str(tmp_path), str(tmp_path)],
+                          env=dict(os.environ, TMPDIR=str(tmp_path / 'tmp')), stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, timeout=100, check=False)
     assert done.returncode == 0 and 'FileNotFoundError' not in done.stdout, done.stdout
     assert [one for one in os.listdir(str(tmp_path / 'tmp')) if one.startswith('systems_')] == []
