@@ -267,6 +267,17 @@ def test_in_an_auction_each_order_goes_where_the_whole_tour_is_the_shortest(seed
     assert Auction().choose(question) == wanted
 
 
+def test_a_bid_in_an_auction_looks_up_only_the_ways_to_and_from_the_new_order():
+    asked, robots, orders = [], 4, 60
+    rng = random.Random(1)
+    question = question_of(1, robots=robots)
+    many = [OpenOrder(order(str(k), (rng.uniform(0.0, 50.0), rng.uniform(0.0, 50.0))), k, None, 0, 0)
+            for k in range(orders)]
+    away = question.distance
+    Auction().choose(question._replace(orders=many, distance=lambda *of: asked.append(of) or away(*of)))
+    assert len(asked) < 3 * sum(sold + robots for sold in range(orders))
+
+
 def test_nobody_is_chosen_where_no_way_leads():
     question = question_of(1)._replace(distance=lambda robot, begin, end: None if robot == 'r_0' else 5)
     for policy in (Nearest(), EarliestDeadline(), Batch(), Auction()):

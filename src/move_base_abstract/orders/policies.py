@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from bisect import bisect_left, bisect_right
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Tuple, Type
 
 from ..common.errors import ConfigurationError
@@ -152,39 +153,66 @@ class Auction:
         orders = {one.order.order_id: one for one in question.orders}
         self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders] for name in bidders}
         sold = {key for tour in self._tours.values() for key in tour}
-        for key, one in orders.items():
-            if key not in sold:
-                self._sell(one, bidders, orders, question)
+        unsold = [one for key, one in orders.items() if key not in sold]
+        tours = [_Tour(robot, [orders[key] for key in self._tours[name]], question.distance)
+                 for name, robot in bidders.items()] if unsold else []
+        for one in unsold:
+            self._sell(one, tours)
         return [(robot.name, self._tours[robot.name].pop(0)) for robot in question.robots if self._tours[robot.name]]
 
-    def _sell(self, one: OpenOrder, bidders: Dict[str, FreeRobot], orders: Dict[str, OpenOrder],
-              question: Question) -> None:
-        best: Optional[Tuple[int, int, int]] = None
-        names = list(bidders)
-        for index, name in enumerate(names):
-            bid = _bid(one, bidders[name], [orders[key] for key in self._tours[name]], question)
-            if bid is not None and (best is None or (bid[0], index) < best[:2]):
-                best = bid[0], index, bid[1]
-        if best is not None:
-            self._tours[names[best[1]]].insert(best[2], one.order.order_id)
+    def _sell(self, one: OpenOrder, tours: Sequence[_Tour]) -> None:
+        bids = [(bid[0], index, bid[1]) for index, bid in enumerate(tour.bid(one) for tour in tours) if bid is not None]
+        if bids:
+            _, index, place = min(bids)
+            tours[index].insert(place, one)
+            self._tours[tours[index].robot.name].insert(place, one.order.order_id)
 
 
-def _bid(one: OpenOrder, robot: FreeRobot, tour: List[OpenOrder], question: Question) -> Optional[Tuple[int, int]]:
-    """Return (length of the tour with ``one`` [mm], its best index in the tour), or None if there is no way."""
-    def along(*points: Point) -> Optional[int]:
-        parts = [question.distance(robot.name, *pair) for pair in zip(points, points[1:])]
-        return None if None in parts else sum(part for part in parts if part is not None)
-    ends = [(robot.x, robot.y), *(each.points[-1] for each in tour)]
-    whole = along(ends[0], *(point for each in tour for point in each.points))
-    first = sum(each.order.priority > one.order.priority for each in tour)
-    last = sum(each.order.priority >= one.order.priority for each in tour)
-    bids = []
-    for place in range(first, last + 1):
-        following = tour[place].points[:1] if place < len(tour) else []
-        with_it, without = along(ends[place], *one.points, *following), along(ends[place], *following)
-        if whole is not None and with_it is not None and without is not None:
-            bids.append((whole + with_it - without, place))
-    return min(bids) if bids else None
+class _Tour:
+    """A robot's tour with the lengths of its parts, so that a bid looks up only the ways to and from the new order."""
+
+    def __init__(self, robot: FreeRobot, orders: List[OpenOrder], distance: Distance) -> None:
+        self.robot = robot
+        self._distance = distance
+        self._turns = [-one.order.priority for one in orders]
+        self._points = [one.points for one in orders]
+        self._measure()
+
+    def _away(self, begin: Point, end: Point) -> Optional[int]:
+        return self._distance(self.robot.name, begin, end)
+
+    def _measure(self) -> None:
+        self._ends = [(self.robot.x, self.robot.y), *(points[-1] for points in self._points)]
+        self._ways = [self._away(end, points[0]) for end, points in zip(self._ends, self._points)]
+        self._whole = _sum([*self._ways, *(self._inside(points) for points in self._points)])
+
+    def _inside(self, points: Sequence[Point]) -> Optional[int]:
+        return _sum([self._away(*pair) for pair in zip(points, points[1:])])
+
+    def insert(self, place: int, one: OpenOrder) -> None:
+        """Put an order at ``place``."""
+        self._turns.insert(place, -one.order.priority)
+        self._points.insert(place, one.points)
+        self._measure()
+
+    def bid(self, one: OpenOrder) -> Optional[Tuple[int, int]]:
+        """Return (length of the tour with ``one`` [mm], its best index in the tour), or None if there is no way."""
+        points, turn, bids = one.points, -one.order.priority, []
+        inside = self._inside(points)
+        if self._whole is None or inside is None:
+            return None
+        for place in range(bisect_left(self._turns, turn), bisect_right(self._turns, turn) + 1):
+            there = self._away(self._ends[place], points[0])
+            on, without = (self._away(points[-1], self._points[place][0]), self._ways[place] or 0) if place < len(
+                self._points) else (0, 0)
+            if there is not None and on is not None:
+                bids.append((self._whole + inside + there + on - without, place))
+        return min(bids) if bids else None
+
+
+def _sum(parts: Sequence[Optional[int]]) -> Optional[int]:
+    """Return the sum, None: there is no way for a part."""
+    return None if None in parts else sum(part for part in parts if part is not None)
 
 
 @_policy('batch', 'all open orders of one priority and all free robots are matched at once, with the least sum of '
