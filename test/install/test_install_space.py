@@ -180,7 +180,7 @@ def test_an_installed_replay_shows_a_log(installed, tmp_path):
     log.write_text('{"event_log":1,"start_ns":0}\n{"time_ns":0,"robot":"r","kind":"stands","values":[1.0,2.0,0.0]}\n')
     run('rosrun', 'move_base_abstract', 'replay', log, '-o', page, env=installed)
     templates = ROOT / 'src' / 'move_base_abstract_replay' / 'templates'
-    assert (templates / 'motion.js').read_text().strip() in page.read_text()
+    assert (templates / 'data.js').read_text().strip() in page.read_text()
 
 
 def test_an_installed_calibration_is_found_by_its_name(installed):
