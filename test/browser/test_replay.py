@@ -19,6 +19,7 @@ POSE = ('const p = window.replay.runs[arguments[0]].poseAt(arguments[1], window.
         'return [p.x, p.y, p.yaw]')
 #: script that keeps the trail and the way that are drawn of a robot, as [[x, y], ...] in m and without repeated points
 DOTTED_AND_TRAIL = """
+    window.lines = {};
     const robots = window.replay.maps[0].robots, {view} = robots;
     for (const [name, draw] of [['trail', 'drawTrail'], ['way', 'drawWay']]) {
       robots[draw] = function (context, ...given) {
