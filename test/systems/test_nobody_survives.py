@@ -198,7 +198,7 @@ class NobodySurvives(OwnFolder, unittest.TestCase):
                         os.kill(pid, sent)
                 said = process.communicate()[0]
                 self.assert_nobody(said, victim != process.pid and signals[1] == signal.SIGKILL)
-                # Who is told to end before it has a handler for that says nothing, and a killed guard says nothing of it.
+                # Who is told to end before it has a handler says nothing, and a killed guard says nothing of it.
                 if inner and words[0] != 'pytest' and (inner != [victim] or signals[1] != signal.SIGKILL):
                     self.assertRegex(said, ' (was )?ended by SIG|guard has ended')
                 if os.path.exists(self.log):
