@@ -81,8 +81,8 @@ class LockstepFaultsTest(LockstepCase):
         client, other = self.joined('/a', '/b')
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
-                            (raw.frame(raw.HELLO, struct.pack('<I', 10) + raw.text('/x') + raw.text('') + bytes(13)),
-                             'protocol must be {}, got 10'.format(raw.PROTOCOL))):
+                            (raw.frame(raw.HELLO, struct.pack('<I', raw.PROTOCOL + 1) + raw.text('/x') + raw.text('') + bytes(13)),
+                             'protocol must be {}, got {}'.format(raw.PROTOCOL, raw.PROTOCOL + 1))):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
             bad.socket.sendall(data)
