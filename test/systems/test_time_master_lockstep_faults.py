@@ -79,10 +79,11 @@ class LockstepFaultsTest(LockstepCase):
     def test_the_reason_is_told_to_who_sent_a_bad_frame(self):
         self.start(participants=['/a', '/b'])
         client, other = self.joined('/a', '/b')
+        version = raw.PROTOCOL + 1
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
-                            (raw.frame(raw.HELLO, struct.pack('<I', raw.PROTOCOL + 1) + raw.text('/x') + raw.text('') + bytes(13)),
-                             'protocol must be {}, got {}'.format(raw.PROTOCOL, raw.PROTOCOL + 1))):
+                            (raw.frame(raw.HELLO, struct.pack('<I', version) + raw.text('/x') + raw.text('') + bytes(13)),
+                             'protocol must be {}, got {}'.format(raw.PROTOCOL, version))):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
             bad.socket.sendall(data)
