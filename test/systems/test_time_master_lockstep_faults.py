@@ -80,9 +80,10 @@ class LockstepFaultsTest(LockstepCase):
         self.start(participants=['/a', '/b'])
         client, other = self.joined('/a', '/b')
         version = raw.PROTOCOL + 1
+        hello = struct.pack('<I', version) + raw.text('/x') + raw.text('') + bytes(13)
         for data, words in ((struct.pack('<I', 2 ** 31), 'length'), (struct.pack('<I', 0), 'length'),
                             (raw.frame(raw.KNOCK), 'the first frame must be HELLO'), (raw.frame(99), '99'),
-                            (raw.frame(raw.HELLO, struct.pack('<I', version) + raw.text('/x') + raw.text('') + bytes(13)),
+                            (raw.frame(raw.HELLO, hello),
                              'protocol must be {}, got {}'.format(raw.PROTOCOL, version))):
             bad = RawClient(self.address)
             self.addCleanup(bad.close)
