@@ -49,9 +49,9 @@ _ODOM = 'odom'
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
                    ('odom_frame', 'local_costmap', 'global_frame', None))
-#: the parameters that a calibration replaces
 #: equal ones, which cannot be changed, are one object for all robots of a process
 _limits, _tolerances = lru_cache(64, typed=True)(MotionLimits), lru_cache(64, typed=True)(Tolerances)
+#: the parameters that a calibration replaces
 _CALIBRATED = tuple(parameter.name for parameter in LIMITS + DURATIONS) + ('turn_rate',)
 #: the defaults with ``events_only``, where time leaps from event to event: each of these rates would add events for
 #: which time has to stop

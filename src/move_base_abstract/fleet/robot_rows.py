@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Type
 from ..goals.events import WRITTEN, Departed, Ended, GoalTaken, Recorded, Stands, motion_of
 from ..goals.task_events import TaskEnded
 from ..goals.traffic_events import Entered, Left
-from ..runs.trace import Rows
+from ..runs.trace import FLAT, Rows
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -52,7 +52,7 @@ class TraceRows(Rows):
 
     def __init__(self) -> None:
         super().__init__()
-        flat = dict.fromkeys((GoalTaken, Departed, Stands, Ended, Entered, Left), self.take_flat)
+        flat = {event: self.take_flat for event, kinds in WRITTEN.items() if kinds[0].kind in FLAT}
         self._hearers = tuple({**row_hearers(self.take, with_motion), **flat} for with_motion in (False, True))
 
     def subscribe(self, stream: Stream, with_motion: bool) -> None:

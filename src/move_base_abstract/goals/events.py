@@ -2,8 +2,8 @@
 
 They are named tuples, which are made twice as fast as frozen dataclasses. Each begins with the instant [ns] and the
 name of the robot. Poses are in the global frame [m, rad]. ``row()`` returns the event's row in the trace
-(:class:`.trace.TraceEntry`); an event without it is written as its fields. The four that come with
-each goal, GoalTaken, Departed, Stands and Ended, are rows themselves, with their ``kind``: they cost next to nothing.
+(:class:`.trace.TraceEntry`); an event without it is written as its fields. The most frequent ones are rows themselves,
+with their ``kind``, so that they cost next to nothing (of Ended and TaskEnded the first six fields are the row).
 """
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class GoalTaken(NamedTuple):
 
 @written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'))
 class Departed(NamedTuple):
-    """The robot departs for the goal ``x``, ``y``, ``yaw``; it travels its ``leg`` from now on."""
+    """The robot departs for the goal ``x``, ``y``, ``yaw``."""
 
     time_ns: int
     robot: str

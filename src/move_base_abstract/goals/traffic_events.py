@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @written(RowKind('entered', 'area', 'the robot got a place in a [zone](zones.md) or on a lane'))
 class Entered(NamedTuple):
-    """The robot has got a place in ``area``. It is its own row."""
+    """The robot has got a place in ``area``."""
 
     time_ns: int
     robot: str
@@ -22,7 +22,7 @@ class Entered(NamedTuple):
 
 @written(RowKind('left', 'area', 'it gave that place back'))
 class Left(NamedTuple):
-    """The robot has given back its place in ``area``. It is its own row."""
+    """The robot has given back its place in ``area``."""
 
     time_ns: int
     robot: str
