@@ -56,6 +56,22 @@ def test_the_branch_shows_the_robot_half_way():
     assert leg.pose_at(leg.arrive_ns) == Pose2D(4.0, 6.0, 1.0)
 
 
+def test_a_robot_of_the_branch_is_half_way_in_its_fleet_and_after_its_pauses_only():
+    fleet = make_fleet(RASBERRY, log_motion=True)
+    fleet.robot('r').send(8.0, 0.0, 1.0)
+    fleet.run_for(1.0)
+    assert (fleet.robot('r').pose, fleet.robot('r').distance) == (Pose2D(4.0, 0.0), 2.0)
+    [pieces] = [entry.values for entry in fleet.trace if entry.kind == 'pieces']
+    assert [(piece.begin_ns, piece.x, piece.v) for piece in pieces] == [(S, 4.0, 0.0), (5 * S, 8.0, 0.0)]
+    attempts = GoalAttempts(Attempts(chance=1.0, retries=1, pause=3.0))
+    leg = attempts.paced(OriginalLaw(RASBERRY).leg(Pose2D(), Pose2D(4.0, 6.0, 1.0), SLOW, S))
+    assert [leg.pose_at(at_ns) for at_ns in (S, 4 * S - 1, 4 * S)] == [Pose2D(), Pose2D(), Pose2D(2.0, 3.0)]
+
+
+def test_a_leg_of_the_branch_that_takes_no_time_has_no_pieces():
+    assert OriginalLaw(RASBERRY).leg(Pose2D(), Pose2D(yaw=1.0), SLOW, S).pieces == ()
+
+
 def test_both_times_are_told_in_words():
     assert OriginalLaw(MAIN).compare(40.0, SLOW) == (
         "40.0 m at 2 m/s with 0.1 m/s^2: 30.0 s by the original's formula, 40.0 s exact")

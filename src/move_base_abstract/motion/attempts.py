@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Optional
 
 from ..common.units import seconds_to_ns
 from ..engine.chance import Chance, Purpose
-from .pace import Pace, PacedLeg
+from .original import HalfwayLeg
+from .pace import Pace
 
 if TYPE_CHECKING:
     from .pieces import Motion
@@ -47,11 +48,11 @@ class GoalAttempts:
         self._number += 1
         self._ready_ns = None
 
-    def paced(self, leg: Motion) -> PacedLeg:
+    def paced(self, leg: Motion) -> HalfwayLeg:
         """Return ``leg``, preceded by the pauses of its goal; the robot makes these pauses only once per goal."""
         if self._ready_ns is None:
             self._ready_ns = leg.depart_ns + seconds_to_ns(self._try() * self._attempts.pause)
-        return PacedLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), 1.0))
+        return HalfwayLeg(leg, Pace(max(0, self._ready_ns - leg.depart_ns), 1.0))
 
     def _try(self) -> int:
         """Return the number of pauses before the robot departs or gives up."""

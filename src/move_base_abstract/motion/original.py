@@ -65,7 +65,7 @@ class OriginalLaw:
 
 
 class HalfwayLeg(PacedLeg):
-    """A :class:`.Leg` whose robot is shown half-way, with the heading 0, from the departure to the arrival.
+    """A leg whose robot is shown half-way, with the heading 0, from the end of its delay to the arrival.
 
     The distance that it has driven grows as on its law.
     """
@@ -74,6 +74,8 @@ class HalfwayLeg(PacedLeg):
 
     @property
     def pieces(self) -> Tuple[Piece, ...]:
-        """One piece, in which the robot stands half-way."""
+        """The pieces in which the robot stands at its start and half-way; none if the motion takes no time."""
         start, end = self.start, self.end
-        return (stand(Pose2D((start.x + end.x) / 2.0, (start.y + end.y) / 2.0), self.depart_ns),)
+        stands = ((start, self.depart_ns, self._begin_ns),
+                  (Pose2D((start.x + end.x) / 2.0, (start.y + end.y) / 2.0), self._begin_ns, self.arrive_ns))
+        return tuple(stand(pose, begin_ns) for pose, begin_ns, end_ns in stands if begin_ns < end_ns)
