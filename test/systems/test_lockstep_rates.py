@@ -51,6 +51,14 @@ say('idle at', state_when('idle', 13).sim_time)
 rospy.spin()
 """
 
+#: a node that hears a battery for a while
+SHORT = """
+import rospy
+rospy.init_node('listener')
+heard = rospy.Subscriber('/robot_0/battery_state', rospy.AnyMsg, lambda message: None)
+rospy.sleep(3.0)
+"""
+
 
 def run_once(onlooker=False, **parameters):
     """Return a run of the listener and its fleet, with all messages in its log, what it ``said``, and ``watched``."""
@@ -120,8 +128,19 @@ class Rates(unittest.TestCase):
         last_ns = run.events[-1][0]
         self.assertIn('idle at {}\n'.format(last_ns), run.watched)
 
-    def test_without_foresight_all_is_the_same(self):
+    def test_without_played_output_all_is_the_same(self):
         self.assert_same(run_once(play_output=False))
+
+    def test_when_the_last_listener_has_gone_time_does_not_go_on_for_batteries(self):
+        for plays in (True, False):
+            with InLockstep(['/fleet', '/listener']) as run:
+                run.ros.run('fleet', 'fleet', parameters={'play_output': plays, 'robots': [
+                    {'name': 'robot_0', 'battery_capacity': 10.0, 'battery_state_freq': 1.0}]})
+                script = os.path.join(run.ros.log_dir, 'listener.py')
+                with open(script, 'w') as file:
+                    file.write(SHORT)
+                run.end_of(run.ros.spawn('/listener', [find_executable('lockstep'), script]))
+            self.assertEqual([kind for _, _, kind, _ in run.events if kind == 'battery'], [], plays)
 
     def test_one_word_leaves_events_only_and_names_who_listens_in_vain(self):
         run = run_once(events_only=True)

@@ -172,12 +172,12 @@ class Rounds:
         self._items[:] = [item() if callable(item) else item for item in self._items]
 
     def _report(self, next_ns: int, may_play: bool = False) -> None:
-        is_background = may_play and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
-        plays = (may_play and self._player is not None and self.scheduler.is_source_alone and not is_background
-                 and next_ns > self.scheduler.now_ns)
-        if plays:
+        if (may_play and self._player is not None and self.scheduler.is_source_alone
+                and next_ns > self.scheduler.now_ns):
             next_ns = self._player.tell(self.scheduler.now_ns, min(
                 self.scheduler.next_besides_source_ns(), self.window.first_arrival_ns), self._items)
+        # Not before: output that nobody hears any more, which is asleep by now, would be a reason to go on.
+        is_background = may_play and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
         if self.window.is_open:
             self.is_starting = self._keeps_starting
             self._end_turn()
