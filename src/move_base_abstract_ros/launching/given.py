@@ -25,11 +25,11 @@ def add_to(config, options):
             if roles.name_of(node) == name:
                 node.args = arguments
     for key, value in single(options.param):
-        _set(config, key, value)
+        put(config, key, value)
     for name, pose in options.start.items():
         check_known('--start', name, names)
         for key, value in zip(_START, pose):
-            _set(config, '{}/{}'.format(name, key), value)
+            put(config, '{}/{}'.format(name, key), value)
 
 
 def single(parameters):
@@ -67,5 +67,8 @@ def _node(config, name, package, kind, arguments):
     return node
 
 
-def _set(config, key, value):
+def put(config, key, value):
+    """Set a parameter of the configuration, in the place of what it has of this name, or below it."""
+    for name in [name for name in config.params if name.startswith(key + '/')]:
+        del config.params[name]
     config.params[key] = roslaunch.core.Param(key, value)

@@ -12,8 +12,9 @@ from roslaunch import substitution_args
 from roslaunch.loader import convert_value
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.kinds import error, list_of, one_of, string, text
+from move_base_abstract.common.kinds import list_of, string, text
 from move_base_abstract.common.options import options_of
+from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.run_options import RunOptions
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.ends import TIME_MASTER
@@ -25,8 +26,7 @@ from ..loopback import PACKAGE, find_executable
 from . import given, look_ups, roles, start_poses, started
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
-_NOT_COVERED = TIME_MASTER + '/not_covered'
-_NODES = list_of(text(), 'a list of names of nodes')
+_TEXTS = list_of(text(), 'a list of texts')
 
 
 @dataclass(frozen=True)
@@ -178,12 +178,12 @@ def log_of_run(plan, folder, is_whole=False):
 
     If the user wants none, it is in ``folder``, and has only the ends of nodes, or all events if ``is_whole``.
     """
-    asked = _value(plan.config, TIME_MASTER + '/event_log', '')
+    asked = _given(plan.config, 'event_log', string('the path of a file, or nothing'), '')
     if asked:
         return os.path.join(rospkg.get_ros_home(), asked)
     path = os.path.join(folder, 'ends.jsonl')
-    _set(plan.config, TIME_MASTER + '/event_log', path)
-    _set(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
+    given.put(plan.config, TIME_MASTER + '/event_log', path)
+    given.put(plan.config, TIME_MASTER + '/event_log_of_ends', not is_whole)
     return path
 
 
@@ -195,7 +195,7 @@ def keep_to_this_user(plan, folder):
     path = os.path.join(folder, 'secret')
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600), 'w') as stream:
         stream.write(os.urandom(24).hex())
-    _set(plan.config, keys[1], path)
+    given.put(plan.config, keys[1], path)
 
 
 def name_anonymous_ones_alike():
@@ -252,7 +252,7 @@ def _look_at_recorder(config, node, role):
     why, notes = '' if role.takes_part else 'it looks on: {}'.format(role.why), []
     if role.takes_part and recorders.is_recorder(node):
         left_out, named = recorders.past_lockstep(shlex.split(node.args or ''), node.namespace,
-                                                  _value(config, TIME_MASTER + '/excluded_topics', []))
+                                                  _given(config, 'excluded_topics'))
         why = 'it records {}, which goes past lockstep'.format(', '.join(named)) if named else ''
         notes += ['{} records no {}: they go past lockstep'.format(role.name, ', '.join(left_out))] if left_out else []
     if role.records and why:
@@ -264,7 +264,7 @@ def _look_at_recorder(config, node, role):
 
 def _label(config, reasons):
     if reasons:
-        _set(config, _NOT_COVERED, [*_value(config, _NOT_COVERED, []), *reasons])
+        given.put(config, TIME_MASTER + '/not_covered', [*_given(config, 'not_covered'), *reasons])
 
 
 def _fleets(config):
@@ -283,7 +283,8 @@ def _split(config, fleets, parts):
             twin = _copy(node, '{}_part_{}'.format(node.name, part))
             config.nodes.append(twin)
             for key, value in dict(below, **{name + '/part': part, name + '/parts': parts}).items():
-                _set(config, roles.name_of(twin) + key[len(name):], value)
+                own = roles.name_of(twin) + key[len(name):]
+                config.params[own] = roslaunch.core.Param(own, value)
         notes.append('{} in {} processes'.format(name, parts))
     return notes
 
@@ -325,19 +326,19 @@ def _add_time_master(config, found, options):
         node = roslaunch.core.Node(PACKAGE, 'time_master', name='time_master', output='screen')
         node.machine = config.machines['']
         config.nodes.insert(0, node)
-    elif _value(config, TIME_MASTER + '/mode', 'scaled') != 'lockstep':
-        notes.append("the file's time master works in lockstep")
-    if _value(config, '/use_sim_time', None) is False:
-        notes.append('/use_sim_time is true, not false')
     named = _named(config)
-    _check_given(config, options.parameters)
     taking = [role.name for role in found if role.takes_part]
     required = [roles.name_of(node) for node in config.nodes if node.required and roles.name_of(node) in taking]
-    _set(config, '/use_sim_time', True)
-    for key, value in dict({'mode': 'lockstep', 'participants': taking + [name for name in named if name not in taking],
-                            'end_with': required, 'onlookers': [role.name for role in found if role.may_provide]},
+    for key, value in (('/use_sim_time', True), (TIME_MASTER + '/mode', 'lockstep'),
+                       (TIME_MASTER + '/end_with', required),
+                       (TIME_MASTER + '/onlookers', [role.name for role in found if role.may_provide])):
+        said = _value(config, key, value)
+        if said not in (value, []):
+            notes.append('{} is {}, not {}'.format(key, shown(value), shown(said)))
+        given.put(config, key, value)
+    for key, value in dict({'participants': taking + [name for name in named if name not in taking]},
                            **options.parameters).items():
-        _set(config, '{}/{}'.format(TIME_MASTER, key), value)
+        given.put(config, '{}/{}'.format(TIME_MASTER, key), value)
     return notes
 
 
@@ -351,39 +352,18 @@ def _reverse(config, taking):
         node.env_args = [*node.env_args, (report_delays.FIRST_VARIABLE, '{}:{}'.format(_LATE_TURNS, number * step))]
 
 
-def _check_given(config, others):
-    """Check what the file says of parameters that are set here, since the time master does not see it.
-
-    ``others``: the names of those that options set.
-    """
-    _checked(config, 'mode', one_of('scaled', 'lockstep'), 'scaled')
-    _checked(config, 'event_log', string('the path of a file, or nothing'), '')
-    for name in ('end_with', 'onlookers'):
-        _checked(config, name, _NODES, [])
-    for name in others:
-        value = _value(config, '{}/{}'.format(TIME_MASTER, name), None)
-        if isinstance(value, dict):
-            raise error('{}/{}'.format(TIME_MASTER, name), value, 'no mapping')
-
-
 def _named(config):
     """Return the full names of the participants that the launch file names. Something else may start them."""
-    named = _checked(config, 'participants', _NODES, [])
-    return [rosgraph.names.ns_join('/', name) for name in named]
+    return [rosgraph.names.ns_join('/', name) for name in _given(config, 'participants')]
 
 
-def _checked(config, name, kind, default):
-    """Return a parameter of the time master that the launch file gives; it must be of this Kind."""
+def _given(config, name, kind=_TEXTS, default=()):
+    """Return a parameter of the time master that the launch file gives and that is read here, as ``kind`` has it."""
     key = '{}/{}'.format(TIME_MASTER, name)
-    kind.check(key, _value(config, key, default))
-    return _value(config, key, default)
+    return kind.check(key, _value(config, key, default))
 
 
 def _value(config, key, default):
     param = config.params.get(key)
     below = {name[len(key) + 1:]: one.value for name, one in config.params.items() if name.startswith(key + '/')}
     return below or (default if param is None else param.value)  # roslaunch has a row for each key of a mapping
-
-
-def _set(config, key, value):
-    config.params[key] = roslaunch.core.Param(key, value)
