@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 
+#include "clock/little_endian.h"
 #include "clock/number_text.h"
 
 namespace move_base_abstract {
@@ -16,27 +16,6 @@ namespace {
 
 constexpr std::size_t kSlotSize = 5;                        // bytes, in PLAY
 constexpr std::array<std::size_t, 4> kSizes{4, 8, 56, 48};  // bytes, of each kind of slot
-
-void put(char* place, std::uint32_t value) {
-  for (std::size_t index = 0; index < sizeof(value); ++index) {
-    place[index] = static_cast<char>(value >> (8U * index) & 0xFFU);
-  }
-}
-
-void put(char* place, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof(bits));
-  put(place, static_cast<std::uint32_t>(bits));
-  put(place + 4, static_cast<std::uint32_t>(bits >> 32U));
-}
-
-std::uint32_t numberAt(std::string_view bytes, std::size_t begin) {
-  std::uint32_t value = 0;
-  for (std::size_t index = 4; index-- > 0;) {
-    value = value << 8U | static_cast<unsigned char>(bytes[begin + index]);
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -91,7 +70,7 @@ void Played::add(const wire::Play& play, const std::shared_ptr<const std::string
 
 Played::Slot Played::slotOf(const wire::Play& play, std::size_t begin) const {
   const auto kind = static_cast<unsigned char>(play.slots[begin]);
-  const std::size_t place = numberAt(play.slots, begin + 1);
+  const std::size_t place = numberAt<std::uint32_t>(&play.slots[begin + 1]);
   if (kind >= kSizes.size() || place + kSizes[kind] > play.payload.size()) {
     throw wire::MalformedFrame("a slot of PLAY must be of a known kind and within the " +
                                std::to_string(play.payload.size()) +
@@ -149,21 +128,21 @@ void Played::fill(char* bytes, const Series& series, Nanoseconds now) const {
   for (const Slot& slot : series.slots) {
     char* const place = bytes + slot.place;
     if (slot.kind == wire::Slot::kNumber) {
-      put(place, series.play.number);
+      putNumber(place, series.play.number);
     } else if (slot.kind == wire::Slot::kStamp) {
-      put(place, static_cast<std::uint32_t>(now / kNanosecondsPerSecond));
-      put(place + 4, static_cast<std::uint32_t>(now % kNanosecondsPerSecond));
+      putNumber(place, static_cast<std::uint32_t>(now / kNanosecondsPerSecond));
+      putNumber(place + 4, static_cast<std::uint32_t>(now % kNanosecondsPerSecond));
     } else if (slot.kind == wire::Slot::kPose) {
       const motion::Pose pose = motions_.at(series.play.sub).poseAt(now);
       const double half = pose.yaw / 2.0;
-      put(place, pose.x);
-      put(place + 8, pose.y);
-      put(place + 40, std::sin(half));
-      put(place + 48, std::cos(half));
+      putNumber(place, pose.x);
+      putNumber(place + 8, pose.y);
+      putNumber(place + 40, std::sin(half));
+      putNumber(place + 48, std::cos(half));
     } else {
       const motion::Velocity velocity = motions_.at(series.play.sub).velocityAt(now);
-      put(place, velocity.forward);
-      put(place + 40, velocity.turning);
+      putNumber(place, velocity.forward);
+      putNumber(place + 40, velocity.turning);
     }
   }
 }

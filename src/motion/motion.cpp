@@ -2,24 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <string>
+
+#include "clock/little_endian.h"
 
 namespace move_base_abstract::motion {
 namespace {
 
 constexpr std::size_t kNumbers = 9;
 constexpr std::size_t kPieceSize = 8 * (1 + kNumbers);  // bytes
-
-std::uint64_t littleEndian(std::string_view bytes, std::size_t begin) {
-  std::uint64_t value = 0;
-  for (std::size_t index = 8; index-- > 0;) {
-    value = value << 8U | static_cast<unsigned char>(bytes[begin + index]);
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -29,12 +21,11 @@ Motion::Motion(std::string_view bytes) {
                                 " bytes, got " + std::to_string(bytes.size()) + " bytes");
   }
   for (std::size_t begin = 0; begin < bytes.size(); begin += kPieceSize) {
-    const auto start = static_cast<Nanoseconds>(littleEndian(bytes, begin));
+    const auto start = numberAt<Nanoseconds>(&bytes[begin]);
     double numbers[kNumbers];
     bool is_whole = pieces_.empty() ? start >= 0 : start > pieces_.back().begin;
     for (std::size_t index = 0; index < kNumbers; ++index) {
-      const std::uint64_t bits = littleEndian(bytes, begin + 8 * (index + 1));
-      std::memcpy(&numbers[index], &bits, sizeof(bits));
+      numbers[index] = numberAt<double>(&bytes[begin + 8 * (index + 1)]);
       is_whole = is_whole && std::isfinite(numbers[index]);
     }
     if (!is_whole) {

@@ -4,15 +4,15 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "clock/little_endian.h"
+
 namespace move_base_abstract {
 namespace {
 
 void append(std::string* record, std::string_view text) {
-  const auto length = static_cast<std::uint32_t>(text.size());
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    *record += static_cast<char>(length >> shift & 0xFFU);
-  }
-  *record += text;
+  char length[sizeof(std::uint32_t)];
+  putNumber(length, static_cast<std::uint32_t>(text.size()));
+  record->append(length, sizeof(length)).append(text);
 }
 
 }  // namespace

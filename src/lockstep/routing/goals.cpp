@@ -4,6 +4,8 @@
 #include <iterator>
 #include <optional>
 
+#include "clock/little_endian.h"
+
 namespace move_base_abstract {
 namespace {
 
@@ -23,10 +25,7 @@ std::optional<std::uint32_t> takeNumber(std::string_view* bytes) {
   if (bytes->size() < kWord) {
     return std::nullopt;
   }
-  std::uint32_t number = 0;
-  for (std::size_t k = kWord; k-- > 0;) {
-    number = (number << 8U) | static_cast<unsigned char>((*bytes)[k]);
-  }
+  const auto number = numberAt<std::uint32_t>(bytes->data());
   bytes->remove_prefix(kWord);
   return number;
 }

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "clock/little_endian.h"
 #include "utf8.h"
 
 namespace move_base_abstract::wire {
@@ -14,11 +15,8 @@ namespace {
 
 template <typename Number>
 void putInteger(std::string& out, Number value) {
-  const auto bits = static_cast<std::make_unsigned_t<Number>>(value);
   char bytes[sizeof(Number)];
-  for (std::size_t k = 0; k < sizeof(Number); ++k) {
-    bytes[k] = static_cast<char>((bits >> (8 * k)) & 0xFFU);
-  }
+  putNumber(bytes, value);
   out.append(bytes, sizeof(Number));
 }
 
@@ -73,9 +71,7 @@ std::string closed(std::string frame) {
     throw std::invalid_argument("a frame must have at most " + std::to_string(kLargestFrame) +
                                 " bytes, got " + std::to_string(length));
   }
-  for (std::size_t k = 0; k < kLengthSize; ++k) {
-    frame[k] = static_cast<char>((length >> (8 * k)) & 0xFFU);
-  }
+  putNumber(frame.data(), static_cast<std::uint32_t>(length));
   return frame;
 }
 
@@ -161,13 +157,7 @@ class Reader {
   }
   template <typename Number>
   std::enable_if_t<std::is_integral_v<Number>> operator()(const char* field, Number& value) {
-    const std::string_view raw = take(field, sizeof(Number));
-    std::make_unsigned_t<Number> bits = 0;
-    for (std::size_t k = sizeof(Number); k-- > 0;) {
-      const auto byte = static_cast<unsigned char>(raw[k]);
-      bits = static_cast<std::make_unsigned_t<Number>>((std::uint64_t{bits} << 8U) | byte);
-    }
-    value = static_cast<Number>(bits);
+    value = numberAt<Number>(take(field, sizeof(Number)).data());
   }
 
   std::uint8_t oneOf(const char* field, int low, int high) {
