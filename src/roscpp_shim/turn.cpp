@@ -216,6 +216,9 @@ void Turn::direct(Nanoseconds next, Directions* directions) {
     thread.store(0, std::memory_order_relaxed);
   }
   directions->thread_at_wake = 0;
+  if (t_local.task->place.number == 0) {
+    return;  // no other thread can wake this one while it waits for the grant
+  }
   // As firstReady() chooses: the first one that waits, but the latest one of a pool.
   for (auto task = waiting_.rbegin(); task != waiting_.rend(); ++task) {
     const Wait& wait = (*task)->wait;

@@ -45,6 +45,19 @@ void naps() {
   }
 }
 
+/** More threads than have places to sleep in the memory that is shared with the time master. */
+void crowd() {
+  boost::thread_group threads;
+  for (int k = 0; k < 80; ++k) {
+    threads.create_thread([] {
+      for (int tick = 0; tick < 3000; ++tick) {
+        ros::Duration(0.01).sleep();
+      }
+    });
+  }
+  threads.join_all();
+}
+
 /** A thread for each robot. All threads use one lock, and hold it while they sleep. */
 void robots(const Teller& teller) {
   std::mutex mutex;
@@ -368,6 +381,7 @@ int nodeMain(int argc, char** argv) {
       {"hears", [&] { hears(teller); }},
       {"wall_loop", [&] { wallLoop(teller); }},
       {"naps", [] { naps(); }},
+      {"crowd", [] { crowd(); }},
       {"queues", [&] { queues(teller); }},
       {"looks", [&] { looks(teller); }},
       {"wall", [&] { wall(teller); }},

@@ -143,6 +143,10 @@ class LockstepRoscppThreadsTest(unittest.TestCase):
                        end_at=1.05)
         self.assertEqual(run.printed(0), [f'{1.0 + k / 1000:.3f}' for k in [*range(1, 51), 50]], run.outputs)
 
+    def test_no_grant_waits_for_a_poll_however_many_threads_there_are(self):
+        run = RUNS.run([Program('threads', own('shim_threads'), what='crowd')])  # polls would take longer than GUARD
+        self.assertEqual((run.code, run.labels), (0, []), run.outputs)
+
     def stands(self, what, **parameters):
         """Check that a call that takes a second of wall time takes no simulated time and has no label.
 
