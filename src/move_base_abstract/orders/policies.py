@@ -154,35 +154,29 @@ class Auction:
         self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders] for name in bidders}
         sold = {key for tour in self._tours.values() for key in tour}
         unsold = [one for key, one in orders.items() if key not in sold]
-        tours = [_Tour(robot, [orders[key] for key in self._tours[name]], question.distance)
+        tours = [_Tour(robot, self._tours[name], orders, question.distance)
                  for name, robot in bidders.items()] if unsold else []
         for one in unsold:
-            self._sell(one, tours)
+            _sell(one, tours)
         return [(robot.name, self._tours[robot.name].pop(0)) for robot in question.robots if self._tours[robot.name]]
-
-    def _sell(self, one: OpenOrder, tours: Sequence[_Tour]) -> None:
-        bids = [(bid[0], index, bid[1]) for index, bid in enumerate(tour.bid(one) for tour in tours) if bid is not None]
-        if bids:
-            _, index, place = min(bids)
-            tours[index].insert(place, one)
-            self._tours[tours[index].robot.name].insert(place, one.order.order_id)
 
 
 class _Tour:
     """A robot's tour with the lengths of its parts, so that a bid looks up only the ways to and from the new order."""
 
-    def __init__(self, robot: FreeRobot, orders: List[OpenOrder], distance: Distance) -> None:
-        self.robot = robot
+    def __init__(self, robot: FreeRobot, keys: List[str], orders: Dict[str, OpenOrder], distance: Distance) -> None:
+        self._robot = robot
+        self._keys = keys  # the orders' ids, in the order of the tour
         self._distance = distance
-        self._turns = [-one.order.priority for one in orders]
-        self._points = [one.points for one in orders]
+        self._turns = [-orders[key].order.priority for key in keys]
+        self._points = [orders[key].points for key in keys]
         self._measure()
 
     def _away(self, begin: Point, end: Point) -> Optional[int]:
-        return self._distance(self.robot.name, begin, end)
+        return self._distance(self._robot.name, begin, end)
 
     def _measure(self) -> None:
-        self._ends = [(self.robot.x, self.robot.y), *(points[-1] for points in self._points)]
+        self._ends = [(self._robot.x, self._robot.y), *(points[-1] for points in self._points)]
         self._ways = [self._away(end, points[0]) for end, points in zip(self._ends, self._points)]
         self._whole = _sum([*self._ways, *(self._inside(points) for points in self._points)])
 
@@ -191,6 +185,7 @@ class _Tour:
 
     def insert(self, place: int, one: OpenOrder) -> None:
         """Put an order at ``place``."""
+        self._keys.insert(place, one.order.order_id)
         self._turns.insert(place, -one.order.priority)
         self._points.insert(place, one.points)
         self._measure()
@@ -208,6 +203,13 @@ class _Tour:
             if there is not None and on is not None:
                 bids.append((self._whole + inside + there + on - without, place))
         return min(bids) if bids else None
+
+
+def _sell(one: OpenOrder, tours: Sequence[_Tour]) -> None:
+    bids = [(bid[0], index, bid[1]) for index, bid in enumerate(tour.bid(one) for tour in tours) if bid is not None]
+    if bids:
+        _, index, place = min(bids)
+        tours[index].insert(place, one)
 
 
 def _sum(parts: Sequence[Optional[int]]) -> Optional[int]:
