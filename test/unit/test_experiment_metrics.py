@@ -107,6 +107,14 @@ def test_a_row_of_others_that_holds_no_place_is_none(tmp_path, values):
     assert plain.metrics == mixed.metrics
 
 
+def test_pieces_of_another_instant_than_the_departure_are_of_others(tmp_path):
+    way = [[2 * SECOND, 0, 0, 0, 1, 0, 9, 0, 0, 0], [7 * SECOND, 45, 0, 0, 1, 0, 0, 0, 0, 0]]
+    strange = [[3 * SECOND, *way[0][1:]], [4 * SECOND, *way[1][1:]]]
+    rows = [(2, 'r', 'departed', [3, 4, 0]), (2, 'r', 'pieces', way), (2, 'r', 'pieces', [7]),
+            (2, 'r', 'pieces', strange), (3, 'r', 'pieces', strange), (7, 'r', 'stands', [3, 4, 0])]
+    assert metrics.summarise(written(tmp_path / 'log', rows), {'r': (0.0, 0.0)}).metrics['distance'] == 45.0
+
+
 def test_goals_outside_of_what_was_recorded_are_a_share_of_all_that_were_begun(tmp_path):
     path = written(tmp_path / 'log', [
         (1, 'r', 'recorded', ['length', 1.0, 30.0, 'start_turn', 0.0, 2.0]),

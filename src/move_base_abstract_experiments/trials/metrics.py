@@ -65,8 +65,8 @@ class _Odometer:
 
     def __init__(self, place: Place) -> None:
         self.place = place  # where it stands or last stood
-        self.drives = False
-        self.motion: Optional[ToldMotion] = None  # if it drives, and the log has the pieces
+        self.departed_ns: Optional[int] = None  # when its leg under way began; None: it stands
+        self.motion: Optional[ToldMotion] = None  # this leg, if the log has its pieces
         self.distance = 0.0
 
     def take(self, time_ns: int, kind: str, values: Sequence[Any]) -> None:
@@ -75,18 +75,20 @@ class _Odometer:
             if self.motion is not None:  # for another goal, on its way
                 pose = self.motion.pose_at(time_ns)
                 self._stand(time_ns, (pose.x, pose.y))
-            self.drives = True
+            self.departed_ns = time_ns
         elif kind == 'pieces':
-            self.motion = motion_of_row(values) if self.drives else None
-        elif kind == 'stands' or not self.drives:  # or a row `motion`, which has the robot's place, too
+            told = motion_of_row(values)
+            if told is not None and self.departed_ns == time_ns == told.depart_ns:
+                self.motion = told
+        elif kind == 'stands' or self.departed_ns is None:  # or a row `motion`, which has the robot's place, too
             self._stand(time_ns, (values[0], values[1]))
 
     def _stand(self, time_ns: int, end: Tuple[float, float]) -> None:
-        if self.drives:
+        if self.departed_ns is not None:
             straight = math.dist(self.place, end) if self.place is not None else 0.0
             # No way is shorter than the straight line; robots of the original simulator are shown half-way.
             self.distance += max(straight, self.motion.distance_at(time_ns) if self.motion is not None else 0.0)
-        self.place, self.drives, self.motion = end, False, None
+        self.place, self.departed_ns, self.motion = end, None, None
 
 
 def summarise(path: str, starts: Optional[Starts] = None) -> Summary:
