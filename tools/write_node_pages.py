@@ -229,7 +229,8 @@ def list_of_programs(name):
     lines = []
     for task, rows in programs.PROGRAMS.items():
         lines += ['', f'**{task}**', '', '| program | what it does | page |', '|---|---|---|']
-        lines += [f'| `{one}` | {words} | [{page.partition(".")[0]}]({page}) |' for one, (words, page) in rows.items()]
+        lines += [f'| `{name}` | {words} | [{page.partition(".")[0]}]({page}) |'
+                  for name, (words, page, _) in rows.items()]
     return [*lines, '']
 
 

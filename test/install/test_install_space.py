@@ -11,6 +11,8 @@ from pathlib import Path
 import completion
 import pytest
 
+from move_base_abstract_ros.nodes.help import scripts
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 BUILD = ROOT / '.ws' / 'build'
@@ -113,8 +115,8 @@ def installed(clean_env, prefix):
 
 
 def script_names():
-    """Return the names of all scripts of the source tree."""
-    return sorted(path.name for path in (ROOT / 'scripts').iterdir() if path.is_file())
+    """Return the names of all programs that are scripts."""
+    return sorted(name for name in scripts() if not name.startswith('old/'))
 
 
 def test_of_our_own_headers_only_what_users_may_include_is_installed(prefix):

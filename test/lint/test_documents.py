@@ -10,6 +10,7 @@ import pytest
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.occupancy import OccupancyMap
 from move_base_abstract.scenario import read_scenario
+from move_base_abstract_ros.nodes.help import scripts
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md')),
@@ -17,7 +18,7 @@ PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').g
          *sorted((ROOT / 'src').rglob('*.md'))]
 LINK = re.compile(r'!?\[[^\]]*\]\(([^()\s]+)\)')
 FENCE = re.compile(r'^```.*?^```', re.DOTALL | re.MULTILINE)
-PROGRAMS = [path.name for path in (ROOT / 'scripts').iterdir()] + ['time_master', 'sim_time_controller', 'PROGRAM']
+PROGRAMS = [*(name.rpartition('/')[2] for name in scripts()), 'time_master', 'PROGRAM']
 README_LINES = 130  # what it is, two commands, ten lines, pictures, links; what is longer has a page of its own
 
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {path.parent.name for path in (ROOT / 'src').glob('*/__init__.py')}
 EXAMPLES = {path.stem for path in (ROOT / 'examples').glob('*.py')}  # their tests import those beside them
 INSTALLED = [*sorted(path for package in sorted(PACKAGES) for path in (ROOT / 'src' / package).rglob('*.py')),
-             *sorted(path for path in (ROOT / 'scripts').iterdir() if path.is_file()),
+             ROOT / 'scripts' / 'program',
              *sorted((ROOT / 'examples').glob('*.py'))]
 FOR_USERS, FOR_TESTS = ('run', 'experiment', 'study', 'picture'), ('test',)  # lists of tools/apt
 #: Debian's names of the keys of package.xml that are in the lists; without an entry: python3-KEY, or KEY itself

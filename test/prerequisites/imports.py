@@ -1,23 +1,27 @@
 """Which modules of others a program of this package imports, wherever in its files: read from the sources, not run."""
 import ast
-import re
 from functools import lru_cache
 from importlib.util import resolve_name
 from pathlib import Path
 
 from move_base_abstract.common.lazy_exports import exports_of
+from move_base_abstract_ros.nodes.help import scripts
 
 ROOT = Path(__file__).resolve().parents[2]
-SRC, SCRIPTS = ROOT / 'src', ROOT / 'scripts'
+SRC = ROOT / 'src'
 NODES = 'move_base_abstract_ros.nodes'  # start(NAME) of its package runs the module NAME in it
 OURS = {path.parent.name for path in SRC.glob('*/__init__.py')}
 
 
 def of_program(path):
-    """Return {(module of ours, module of others that it imports)} of a program, also imports within functions."""
+    """Return {(module of ours, module of others that it imports)} of a program, also imports within functions.
+
+    ``path``: its file, or the name of a program of this package.
+    """
+    if path in scripts():
+        return of_modules([f'{NODES}.{scripts()[path]}'])
     text = path.read_text(encoding='utf-8')
-    started = [f'{NODES}.{module}' for module in re.findall(r"^ *start\('([\w.]+)'\)", text, re.MULTILINE)]
-    return of_modules([*started, *(one for one in of_text(text) if one.partition('.')[0] in OURS)])
+    return of_modules([one for one in of_text(text) if one.partition('.')[0] in OURS])
 
 
 def of_modules(names):

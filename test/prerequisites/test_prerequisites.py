@@ -43,7 +43,7 @@ def tops(found):
 def imported_by(text):
     """Return the modules of others that programs which a text names import, and those of its own lines."""
     code = '\n'.join([*CODE.findall(text), *re.findall(r'^    (.*)$', text, re.MULTILINE)])
-    programs = {imports.SCRIPTS / name for name in RUN.findall(code) if (imports.SCRIPTS / name).is_file()}
+    programs = {name for name in RUN.findall(code) if name in imports.scripts()}
     found = set().union(*map(imports.of_program, programs | ({bare.ROOT / STUDY} if STUDY in code else set())))
     lines = re.findall(r'^(?:from|import) +([\w.]+)|\bpython3 -m +([\w.]+)', code, re.MULTILINE)
     return tops(found | {('', one) for names in lines for one in names if one})

@@ -1,5 +1,4 @@
 """What an onlooker has not said is input, too: this package's own nodes take part, others are waited for."""
-import os
 import unittest
 from types import SimpleNamespace
 
@@ -8,7 +7,7 @@ from own_folder import OwnPackage
 from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import PACKAGE
-from move_base_abstract_ros.nodes import why_node
+from move_base_abstract_ros.nodes import help as helps, why_node
 
 ASKER = """#!/usr/bin/env python3
 import rospy
@@ -100,8 +99,7 @@ def how(kind, args=''):
 
 class OwnNodesTest(unittest.TestCase):
     def test_each_program_of_the_package_takes_part_or_says_why_not(self):
-        scripts = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'scripts')
-        names = [name for name in sorted(os.listdir(scripts)) if os.path.isfile(os.path.join(scripts, name))]
+        names = sorted(name for name in helps.scripts() if not name.startswith('old/'))
         self.assertEqual({name: how(name) for name in names},
                          {name: said for name, said in NODES.items() if name in names})
         self.assertEqual({name: how('lockstep', '--own ' + name) for name in MODULES}, MODULES)

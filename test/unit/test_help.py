@@ -1,5 +1,6 @@
 """The programs of the package stand in one table: what `help` lists is there, and old names say the new ones."""
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -19,10 +20,14 @@ def asked(monkeypatch, capsys, *words):
     return capsys.readouterr()
 
 
-def test_each_program_is_there_and_nothing_else():
-    scripts = {path.name for path in (ROOT / 'scripts').iterdir() if path.is_file()}
-    assert sorted(PROGRAMS) == sorted(scripts | {'time_master'})
+def test_each_program_is_there_and_has_a_module_with_a_main():
+    scripts = helps.scripts()
+    assert sorted(PROGRAMS) == sorted({name for name in scripts if not name.startswith('old/')} | {'time_master'})
     assert len(PROGRAMS) <= 24
+    for module in scripts.values():
+        path = ROOT / 'src' / module.replace('.', '/') if module.startswith('move_base_abstract_') else \
+            ROOT / 'src/move_base_abstract_ros/nodes' / module.replace('.', '/')
+        assert re.search(r'^(def|from .* import) main\b', path.with_suffix('.py').read_text(encoding='utf-8'), re.M)
     assert not set(PROGRAMS) & set(helps.OLD_NAMES)
 
 

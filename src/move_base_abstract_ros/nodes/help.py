@@ -1,7 +1,7 @@
 """List the programs of this package by task: rosrun move_base_abstract help [PROGRAM].
 
 The tables of this module are the only list of programs. docs/what_there_is.md has them from here
-(tools/write_node_pages.py), and CMake the old names.
+(tools/write_node_pages.py), and CMake makes the programs of them.
 """
 import argparse
 import os
@@ -9,46 +9,52 @@ import sys
 
 from move_base_abstract.common.kinds import similar
 
-#: {task: {program: (what it does, page)}}
+#: {task: {program: (what it does, page, the module that start() of this room runs; '': it is no script)}}
 PROGRAMS = {
     'Robots': {
-        'move_base': ('simulates one robot, with the interface of `move_base`', 'move_base.md'),
+        'move_base': ('simulates one robot, with the interface of `move_base`', 'move_base.md', 'move_base_node'),
         'move_base_abstract_actionserver': ("simulates the same robot, with the original package's seven arguments",
-                                            'move_base_abstract_actionserver.md'),
-        'fleet': ('simulates many such robots in one process, from a scenario file', 'fleet.md'),
+                                            'move_base_abstract_actionserver.md', 'actionserver_node'),
+        'fleet': ('simulates many such robots in one process, from a scenario file', 'fleet.md', 'fleet_node'),
         'map_server': ("serves a map from a file, if the navigation stack's `map_server` is not installed",
-                       'map_server.md'),
+                       'map_server.md', 'map_server_node'),
         'task_server': ('offers tasks that take a while as actions of each robot, with feedback and cancel',
-                        'tasks.md'),
-        'task_source': ('publishes tasks and orders as they arrive, at random instants or from a file', 'tasks.md'),
-        'dispatcher': ('gives orders to robots, and sends robots to chargers', 'orders.md'),
-        'demo': ('runs a mission of several robots on a ROS master of its own', 'demo.md')},
+                        'tasks.md', 'task_server_node'),
+        'task_source': ('publishes tasks and orders as they arrive, at random instants or from a file',
+                        'tasks.md', 'task_source_node'),
+        'dispatcher': ('gives orders to robots, and sends robots to chargers',
+                       'orders.md', 'orders_run.dispatcher_node'),
+        'demo': ('runs a mission of several robots on a ROS master of its own', 'demo.md', 'demo')},
     'Your system in lockstep': {
         'lockstep_launch': ('runs an unchanged launch file in lockstep, also as a `<test>` of rostest, and scripts '
                             'that start launch files',
-                            'lockstep_launch.md'),
-        'lockstep': ('starts an unmodified program as a participant', 'lockstep_launcher.md'),
-        'time_master': ('publishes `/clock`: lockstep, or a factor; pause, step, run until, holds', 'time_master.md'),
-        'why': ('says why time moves or stands still', 'time_master.md')},
+                            'lockstep_launch.md', 'lockstep_launch'),
+        'lockstep': ('starts an unmodified program as a participant', 'lockstep_launcher.md', 'lockstep_launcher'),
+        'time_master': ('publishes `/clock`: lockstep, or a factor; pause, step, run until, holds',
+                        'time_master.md', ''),
+        'why': ('says why time moves or stands still', 'time_master.md', 'why_node')},
     'Is it right?': {
-        'verify': ('runs a launch file under conditions that must not matter, and compares the runs', 'verify.md'),
-        'compare': ('finds the first difference of two event logs', 'time_master.md'),
+        'verify': ('runs a launch file under conditions that must not matter, and compares the runs',
+                   'verify.md', 'verify'),
+        'compare': ('finds the first difference of two event logs', 'time_master.md', 'compare'),
         'chaos': ('runs a launch file with other legal orders of equal events until something breaks, and finds the '
-                  'fewest decisions that break it', 'chaos.md')},
+                  'fewest decisions that break it', 'chaos.md', 'chaos')},
     'What comes out?': {
-        'replay': ('shows a run, or two side by side, from event logs, as a page for any browser', 'replay.md'),
+        'replay': ('shows a run, or two side by side, from event logs, as a page for any browser', 'replay.md',
+                   'move_base_abstract_replay.command'),
         'fleet_report': ('reports what a fleet did in one run: utilisation, orders, waiting, charging',
-                         'orders.md#a-report-of-a-fleet'),
+                         'orders.md#a-report-of-a-fleet', 'move_base_abstract_experiments.fleet_report'),
         'experiment': ('runs any launch file many times, on all cores: factors, seeds, metrics, one table, a report',
-                       'experiments.md')},
+                       'experiments.md', 'move_base_abstract_experiments.__main__')},
     'Scenarios, plans and real robots': {
         'scenario': ('reports problems of a scenario before it runs, with a picture; makes a warehouse, a field or a '
-                     'ward from sizes', 'scenario_check.md'),
+                     'ward from sizes', 'scenario_check.md', 'move_base_abstract_worlds.command'),
         'mapf': ('reads MovingAI maps and problems, and drives plans of MAPF solvers with delays and failures',
-                 'mapf.md'),
-        'calibrate': ("finds in recordings how long a real robot's legs take, for the simulator", 'calibrate.md')},
+                 'mapf.md', 'move_base_abstract_mapf.command'),
+        'calibrate': ("finds in recordings how long a real robot's legs take, for the simulator",
+                      'calibrate.md', 'move_base_abstract_calibration.command')},
     'Help': {
-        'help': ('lists these programs; `help PROGRAM` says more of one', 'what_there_is.md')}}
+        'help': ('lists these programs; `help PROGRAM` says more of one', 'what_there_is.md', 'help')}}
 
 _PACKAGE = 'move_base_abstract'
 _OWN = ('lockstep', '--own')
@@ -65,6 +71,13 @@ OLD_NAMES = {
     'run_checked': ('lockstep_launch', '--check', '`type="lockstep_launch" args="--check FILE"` in the tag'),
     'soil_coordinator': (*_OWN, 'soil_mapping.ros.soil_coordinator', 'include `soil_mapping.launch`'),
     'study': ('examples/study.py', '`python3 $(rospack find move_base_abstract)/examples/study.py`')}
+
+
+def scripts():
+    """Return {path of a program below the folder of programs, or 'old/' and an old name: its module}."""
+    modules = {name: module for rows in PROGRAMS.values() for name, (_, _, module) in rows.items() if module}
+    old = {**dict.fromkeys(OLD_NAMES, 'help'), 'sim_time_controller': 'sim_time_controller'}
+    return {**modules, **{'old/' + name: module for name, module in old.items()}}
 
 
 def main():
@@ -103,7 +116,7 @@ def _lines():
     width = max(len(name) for programs in PROGRAMS.values() for name in programs)
     for task, programs in PROGRAMS.items():
         yield task
-        for name, (sentence, _page) in programs.items():
+        for name, (sentence, *_) in programs.items():
             yield '  {:{}}  {}'.format(name, width, sentence.replace('`', ''))
         yield ''
     yield 'rosrun {0} PROGRAM -h lists its options; rosrun {0} help PROGRAM names its page.'.format(_PACKAGE)
@@ -116,6 +129,6 @@ def _about(name):
     if name not in programs:
         sys.exit("help: got '{}'; allowed: {}{}".format(
             name, ', '.join(programs), similar(name, [*programs, *OLD_NAMES])))
-    sentence, page = programs[name]
+    sentence, page, _module = programs[name]
     return ['{}: {}'.format(name, sentence.replace('`', '')), 'Options: rosrun {} {} -h'.format(_PACKAGE, name),
             'Page: docs/{}'.format(page)]
