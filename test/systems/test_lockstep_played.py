@@ -13,6 +13,12 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 FOLLOWER = os.path.join(HERE, 'unmodified', 'feedback_follower.py')
 RATES = {'feedback_freq': 20.0, 'pose_update_freq': 10.0, 'tf_heartbeat_freq': 10.0, 'max_speed': 1.0,
          'acceleration': 0.5}
+#: periodic output that follows from more than the instant and the motion, some of it of robots whose poses are wrong
+MORE = {'scan_rate': 7.0, 'scan_beams': 20, 'scan_noise': 0.02, 'battery_capacity': 10.0, 'battery_state_freq': 3.0,
+        'buggify': {'jump': 0.5, 'mute': 0.2}}
+TOPICS = ['/diagnostics', *('/robot_{}/{}'.format(i, topic) for i in range(3) for topic in (
+    'scan', 'battery_state', 'amcl_pose', 'base_pose_ground_truth', 'move_base/local_costmap/costmap',
+    'move_base/local_costmap/footprint'))]
 #: a node that takes no part and prints the stamps [ns] of a robot's odometry
 ONLOOKER = """
 import rospy
@@ -23,15 +29,16 @@ rospy.spin()
 """
 
 
-def run_once(condition=Condition(), plays=True, followers=1, onlooker=False):
+def run_once(condition=Condition(), plays=True, followers=1, onlooker=False, more=False):
     """Return a run of followers and their fleet, with all messages in its log, what they ``said``, and ``watched``."""
     names = ['/follower_{}'.format(number) for number in range(followers)]
-    with InLockstep(['/fleet', *names], condition, log_messages=True) as run:
+    with InLockstep(['/fleet', *names], condition, log_messages=True, chaos_seed=5 if more else 0) as run:
         run.ros.run('fleet', 'fleet', parameters={
-            'play_output': plays, 'defaults': RATES,
+            'play_output': plays, 'defaults': {**RATES, **(MORE if more else {})},
             'robots': [{'name': 'robot_{}'.format(i), 'start_y': 2.0 * i} for i in range(3)]})
         watching = run.ros.spawn('/onlooker', [sys.executable, '-c', ONLOOKER]) if onlooker else None
-        children = [run.ros.spawn(name, [find_executable('lockstep'), FOLLOWER, '__name:=' + name[1:]])
+        children = [run.ros.spawn(name, [find_executable('lockstep'), FOLLOWER, '__name:=' + name[1:],
+                                           '_more:={}'.format(TOPICS if more else [])])
                     for name in names]
         with condition.around():
             run.said = run.end_of(*children)
@@ -67,3 +74,12 @@ class Played(unittest.TestCase):
         self.assert_same(run)
         self.assertGreater(len(run.watched), 50)
         self.assertEqual(run.watched, sorted(run.watched))
+
+    def test_scans_batteries_costmaps_diagnostics_and_wrong_poses_are_the_same(self):
+        plain, run = (run_once(plays=plays, more=True) for plays in (False, True))
+        for topic in TOPICS:
+            self.assertGreater(sum(row[1:3] == (topic, 'message') for row in plain.events), 10, topic)
+        for lapse in ('jump', 'mute'):
+            self.assertIn(lapse, [row[3][0] for row in plain.events if row[2] == 'lapse_began'])
+        self.assertEqual(run.said, plain.said)
+        assert_same(self, plain.events, run.events)

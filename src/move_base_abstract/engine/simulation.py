@@ -1,7 +1,7 @@
 """One simulation: its event queue, and its present, the time up to which everything has happened."""
 from __future__ import annotations
 
-from typing import Callable, Iterable, Optional, Tuple
+from typing import Callable, Optional
 
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
@@ -56,12 +56,11 @@ class Simulation:
         """Return when the next event is due [ns], or None if there is none."""
         return self.now_ns if self.queue.is_ending else self.queue.next_due_ns()
 
-    def tell(self, due_ns: int, series: Iterable[Series]) -> None:
-        """Do what each of ``series`` does at ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
+    def tell(self, due_ns: int, series: Series) -> None:
+        """Do what ``series`` does at ``due_ns`` [ns]; :attr:`now_ns` is set to that time meanwhile."""
         present_ns, self.now_ns = self.now_ns, due_ns
         try:
-            for one in series:
-                one.tell(due_ns)
+            series.tell(due_ns)
         finally:
             self.now_ns = present_ns
 
@@ -74,18 +73,7 @@ class Simulation:
         for series in self.queue.sleepers():
             missed_ns = series.wake(self.now_ns)
             if missed_ns is not None:
-                self.tell(missed_ns, [series])
-
-    def played(self, until_ns: int, last: Iterable[Tuple[int, Series]]) -> None:
-        """Set the present to ``until_ns`` [ns], up to which others have done what series do.
-
-        ``last`` has (the last instant [ns] at which they did, Series). That is done once more, so that all is as if it
-        had been done here; the caller must keep its messages from all listeners.
-        """
-        for due_ns, series in last:
-            series.skip(due_ns)
-            self.tell(due_ns, [series])
-        self.now_ns = until_ns
+                self.tell(missed_ns, series)
 
     def series(self, robot_index: int, frequency: float, action: Callable[[int, int], Optional[int]],
                is_output: bool = False, is_heard: Optional[Callable[[], int]] = None) -> Optional[Series]:

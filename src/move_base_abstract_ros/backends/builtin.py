@@ -72,8 +72,8 @@ class BuiltinBackend:
             stamp_ns = told_ns + 1
         if not playing.is_recording():
             self._tf_told = stamp_ns, (pose, self.shift)
-        tf_hub.send(self._base_frame, stamp_ns, partial(self._transforms, pose, self.shift), self._tf_slots,
-                    self._is_shifted(self._odom_in_map))
+        tf_hub.send(self._base_frame, stamp_ns, partial(self._transforms, pose, self.shift),
+                    self._slots(self._tf_slots, self._odom_in_map))
 
     def looks(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
@@ -125,12 +125,12 @@ class BuiltinBackend:
     def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns),
-                        self._base_in_map.pose_slots, self._is_shifted())
+                        self._slots(self._base_in_map.pose_slots))
 
     def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns),
-                        self._base_in_odom.odometry_slots, self._is_shifted(self._odom_in_map))
+                        self._slots(self._base_in_odom.odometry_slots, self._odom_in_map))
 
     def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         return Template(lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns),
@@ -143,11 +143,11 @@ class BuiltinBackend:
     def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns),
-                        self._base_in_map.pose_slots, self._is_shifted())
+                        self._slots(self._base_in_map.pose_slots))
 
-    def _is_shifted(self, odometry_frame: Optional[InFrame] = None) -> bool:
-        """Return whether poses are not the robot's own. With a frame of odometry they are relative to that."""
-        return self.shift is not None and odometry_frame is None
+    def _slots(self, slots: Any, odometry_frame: Optional[InFrame] = None) -> Any:
+        """Return ``slots`` of a pose, which is not shifted if it is relative to a frame of odometry."""
+        return slots if self.shift is None or odometry_frame is not None else (*slots, packing.SHIFTED)
 
 
 def _shifted(pose: Pose2D, shift: Optional[Pose2D]) -> Pose2D:

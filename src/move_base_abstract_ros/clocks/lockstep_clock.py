@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, Iterable, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Tuple
 
 from move_base_abstract.common.units import NS_PER_S, seconds_to_ns
 from move_base_abstract.engine.simulation import Simulation
@@ -162,20 +162,13 @@ class LockstepClock:
         queue = self.simulation.queue
         return (self._ever_had_onlookers or queue.ever_waits) and queue.is_for_onlookers()
 
-    def heard_output(self, before_ns: int) -> Tuple[List[Tuple[int, Series]], int]:
-        """Return what :meth:`EventQueue.heard_output` returns."""
-        with self.lock:
-            return self.simulation.queue.heard_output(before_ns)
-
-    def tell(self, due_ns: int, series: Series) -> None:
-        """Do what ``series`` (Series) does at ``due_ns`` [ns]."""
-        with self.lock:
-            self.simulation.tell(due_ns, [series])
-
     def played(self, until_ns: int, last: Iterable[Tuple[int, Series]]) -> None:
-        """Go on at ``until_ns`` [ns], see :meth:`Simulation.played`."""
+        """Go on at ``until_ns`` [ns]. Do quietly what each Series of ``last`` did last, with its instant [ns]."""
         with self.lock, outlets.nobody_hears():
-            self.simulation.played(until_ns, last)
+            for due_ns, series in last:
+                series.skip(due_ns)
+                self.simulation.tell(due_ns, series)
+            self.simulation.now_ns = until_ns
 
     def run(self, now_ns: int) -> None:
         """Run all events that are due up to ``now_ns`` [ns]."""

@@ -67,7 +67,7 @@ class CostmapTopics:
         """
         self._footprints.show(pose, stamp_ns)
         if is_event or self._throttle.ready():
-            self._window.show()
+            self._window.show(pose, stamp_ns)
 
     def is_heard(self) -> int:
         """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear what moves with the robot."""
@@ -86,10 +86,9 @@ class CostmapTopics:
         """Publish the received map message itself, which all robots of the process share."""
         self._grid.publish(message)
         if self._footprints.shown is not None:
-            self._window.show()
+            self._window.show(*self._footprints.shown)
 
-    def _pack_window(self) -> Pack:
-        pose, stamp_ns = self._footprints.shown
+    def _pack_window(self, pose: Pose2D, stamp_ns: int) -> Pack:
         window = self._costmaps.window
         x, y = window.corner(pose)
         grid = _grid(self._local_frame, stamp_ns, x, y, window)

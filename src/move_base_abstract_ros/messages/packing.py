@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 #: a packer
 Pack = Callable[[int], bytes]
 #: what differs from one message of a series to the next, each with its place in the bytes; None: that is not known
-Slots = Optional[Sequence[Tuple[wire.Slot, int]]]
+Slots = Optional[Sequence[Tuple[Optional[wire.Slot], int]]]
+#: besides the other slots of a message: the pose is not the robot's own, but its error comes on top
+SHIFTED: Any = (None, 0)
 #: of a message that begins with a header, and of a geometry_msgs/Pose
 HEADER_SLOTS: Any = ((wire.Slot.NUMBER, 0), (wire.Slot.STAMP, 4))
 PLAIN_POSE_SLOTS: Any = ((wire.Slot.POSE, 0),)
@@ -39,16 +41,14 @@ _SCAN = struct.Struct('<7fI')
 class Template:
     """A packer that says how its bytes follow from the message's number, its stamp, and its robot's motion.
 
-    ``slots``: where these stand. ``is_shifted``: the pose is not the robot's own, but its error comes on top.
-    ``is_once``: the message is sent once at an instant at most, for one robot.
+    ``slots``: where these stand. ``is_once``: the message is sent once at an instant at most, for one robot.
     """
 
-    __slots__ = ('_pack', 'is_once', 'is_shifted', 'slots')
+    __slots__ = ('_pack', 'is_once', 'slots')
 
-    def __init__(self, pack: Pack, slots: Slots, is_shifted: bool = False, is_once: bool = False) -> None:
+    def __init__(self, pack: Pack, slots: Slots, is_once: bool = False) -> None:
         self._pack = pack
         self.slots = slots
-        self.is_shifted = is_shifted
         self.is_once = is_once
 
     def __call__(self, seq: int) -> bytes:

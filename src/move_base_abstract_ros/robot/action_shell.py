@@ -121,20 +121,18 @@ class ActionShell:
                 if len(self._arrivals) > _KEPT_ARRIVALS:  # the oldest ones are of ids that were answered long ago
                     del self._arrivals[next(iter(self._arrivals))]
 
-    def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None,
-                         is_shifted: bool = False) -> None:
+    def publish_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None) -> None:
         """Publish ``feedback`` (the action's own part, bytes) on the goal ``record``, stamped ``stamp_ns`` [ns].
 
-        ``slots``, ``is_shifted``: those of ``feedback``, as in :class:`.packing.Template`.
+        ``slots``: those of ``feedback``, as in :class:`.packing.Template`.
         """
-        self._outbox.send(self._feedback, self._pack_feedback(record, feedback, stamp_ns, slots, is_shifted))
+        self._outbox.send(self._feedback, self._pack_feedback(record, feedback, stamp_ns, slots))
 
-    def _pack_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None,
-                       is_shifted: bool = False) -> Pack:
+    def _pack_feedback(self, record: GoalRecord, feedback: bytes, stamp_ns: int, slots: Slots = None) -> Pack:
         before = self._pack(record)
         told = before + feedback
         return packing.Template(lambda seq: packing.header(seq, stamp_ns) + told,
-                                packing.behind_header(len(before), slots), is_shifted)
+                                packing.behind_header(len(before), slots))
 
     def _greet(self, peer_publish: Publish) -> None:
         present = self.present_feedback()

@@ -56,8 +56,9 @@ class RobotDiagnostics:
 
     def send(self, now_ns: int) -> None:
         """Publish the condition at ``now_ns`` [ns], if any node hears it."""
-        playing.refuse()  # it follows from more than the instant
-        self._latest = level, text, values = self._tell()
+        told = level, text, values = self._tell()
+        if not playing.is_recording():
+            self._latest = told
         if self._shared.outlet.is_heard():
             status = DiagnosticStatus(level=level, name=self._name + ': condition', message=text,
                                       hardware_id=self._name,

@@ -9,7 +9,7 @@ from move_base_msgs.msg import MoveBaseActionFeedback, MoveBaseActionResult
 from move_base_abstract.goals.events import Departed, Ended
 
 from ..lockstep.exchange import playing
-from ..messages.packing import InFrame
+from ..messages.packing import SHIFTED, InFrame
 from ..messages.unpacking import GoalIn
 from .action_shell import ActionShell, ActionTypes
 
@@ -103,9 +103,9 @@ class GoalServer:
         return self._clock.wall_to_ns(self._feedback_throttle.remaining())
 
     def _values(self, record: GoalRecord, pose: Pose2D, stamp_ns: int) -> Tuple[Any, ...]:
-        is_shifted = self._navigator.robot.reported.shift is not None
+        slots = self._in_global_frame.pose_slots[1:]
         return (record, self._in_global_frame.pose_stamped(0, pose, stamp_ns), stamp_ns,
-                self._in_global_frame.pose_slots[1:], is_shifted)
+                slots if self._navigator.robot.reported.shift is None else (*slots, SHIFTED))
 
     def _present(self) -> Optional[Tuple[Any, ...]]:
         now_ns = self._clock.newcomers_ns()

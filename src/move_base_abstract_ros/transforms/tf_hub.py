@@ -37,12 +37,12 @@ class _Hub:
         self._outlet: Optional[Outlet] = None
         self._collected: Optional[List[Callable[[], List[bytes]]]] = None
 
-    def send(self, key: str, stamp_ns: int, make: Make, slots: Slots = None, is_shifted: bool = False) -> None:
+    def send(self, key: str, stamp_ns: int, make: Make, slots: Slots = None) -> None:
         """Publish the transforms ``make(stamp_ns)``, or keep them for the :meth:`batch`.
 
         ``make(stamp_ns)`` returns a list of TransformStamped as bytes, dated ``stamp_ns`` [ns]. ``key`` identifies
-        their owner, a robot for example. Without a listener ``make`` is not called. ``slots``, ``is_shifted``: those of
-        the whole message, as in :class:`.packing.Template`.
+        their owner, a robot for example. Without a listener ``make`` is not called. ``slots``: those of the whole
+        message, as in :class:`.packing.Template`, if it has the pose of a robot.
         """
         with self._lock:
             if self._latest is not None and not playing.is_recording():
@@ -53,7 +53,7 @@ class _Hub:
                 playing.refuse()
                 self._publish_beside_newcomers(key, stamp_ns, make)
             else:
-                self._publish([partial(make, stamp_ns)], slots, is_shifted)
+                self._publish([partial(make, stamp_ns)], slots)
 
     def _publish_beside_newcomers(self, key: str, stamp_ns: int, make: Make) -> None:
         """Publish the transforms of an instant at which newcomers were told of them. They get only what differs.
@@ -130,13 +130,12 @@ class _Hub:
                 if collected:
                     self._publish(collected)
 
-    def _publish(self, makes: Sequence[Callable[[], List[bytes]]], slots: Slots = None,
-                 is_shifted: bool = False) -> None:
+    def _publish(self, makes: Sequence[Callable[[], List[bytes]]], slots: Slots = None) -> None:
         if self._outlet is None:
             self._outlet = Outlet('/tf', TFMessage, queue_size=100, greet=self._greet)
         self._outlet.send(packing.Template(
-            lambda _seq: packing.transforms([transform for make in makes for transform in make()]), slots, is_shifted,
-            is_once=True))
+            lambda _seq: packing.transforms([transform for make in makes for transform in make()]), slots,
+            is_once=slots is not None))  # several series send a robot's pose
 
 
 _HUB = _Hub()

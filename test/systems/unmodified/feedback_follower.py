@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives robots and reacts to messages on the way: feedback changes its goals, and it counts odometry and tf."""
+"""Drives robots and reacts to messages on the way: feedback changes its goals, and it counts odometry, tf and more."""
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
@@ -50,6 +50,9 @@ if __name__ == '__main__':
     rospy.init_node('follower')
     transforms = []
     rospy.Subscriber('/tf', TFMessage, lambda message: transforms.extend(message.transforms))
+    more = []
+    for topic in rospy.get_param('~more', []):
+        rospy.Subscriber(topic, rospy.AnyMsg, more.append)
     drivers = [Driver('robot_%d' % i, i, 12) for i in range(rospy.get_param('~robots', 3))]
     rate = rospy.Rate(7)
     while not rospy.is_shutdown() and any(driver.left or not driver.is_free for driver in drivers):
@@ -57,5 +60,5 @@ if __name__ == '__main__':
             if driver.is_free and driver.left:
                 driver.next()
         rate.sleep()
-    print('%.9f heard %s odometry, %d transforms' % (
-        rospy.get_time(), [driver.odometry for driver in drivers], len(transforms)))
+    print('%.9f heard %s odometry, %d transforms, %d more' % (
+        rospy.get_time(), [driver.odometry for driver in drivers], len(transforms), len(more)))

@@ -1,14 +1,15 @@
 """Played output: messages that the time master makes and sends in the participant's place, between its turns.
 
 Feedback, poses, heartbeats and the status follow from the instant and from how the robots move. So a report has the
-first message of each such series, what differs in the later ones, and the motions. The next grant says how far this was
-played.
-To learn what a series sends, its action is done once while this module records: nothing is sent then, and nothing that
-says what was sent last may change.
+first message of each such series, what differs in the later ones, and the motions. Messages of other series (scans,
+batteries, shifted poses) are told one by one. The next grant says how far this was played.
+To learn what a series sends, its action is done while this module records: nothing is sent then, and nothing that says
+what was sent last may change.
 """
 from __future__ import annotations
 
 import struct
+from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
@@ -18,18 +19,21 @@ from .links import sender
 
 if TYPE_CHECKING:
     from move_base_abstract.engine.event_queue import Series
+    from move_base_abstract.motion.robot import Robot
 
     from ...clocks.lockstep_clock import LockstepClock
     from ...messages.packing import Pack
 
-_MOVING = (wire.Slot.POSE, wire.Slot.TWIST)
+_MOVING = (wire.Slot.POSE, wire.Slot.TWIST, None)
 _SLOT = struct.Struct('<BI')
 # An onlooker that comes hears a topic from the participant's next turn on, so turns must not be too far apart.
 _LONGEST_NS = 2 * NS_PER_S
+# How many messages of a series are told one by one; those that do not come to pass were made in vain.
+_MOST, _FEWEST = 64, 4
 
 
 class NotPlayable(Exception):
-    """A message cannot be played: an onlooker hears it, or it follows from more than the instant and the motion."""
+    """A message cannot be told beforehand, for example because an onlooker hears it."""
 
 
 class Play(NamedTuple):
@@ -37,24 +41,22 @@ class Play(NamedTuple):
 
     impl: Any
     address: Tuple[int, int, Tuple[int, ...]]  # the number of its topic, sub, targets
+    number: int
     payload: bytes
-    slots: bytes
+    slots: Optional[bytes]  # None: later ones are told one by one
     is_once: bool  # not if one of its topic and robot has been sent at this instant
     moves: bool  # whether it has slots of the motion
 
-    def items(self, first_ns: int, period_ns: int) -> List[bytes]:
-        """Return the items of a report, if the first message is due at ``first_ns`` [ns]."""
-        topic, sub, targets = self.address
-        return [wire.play(topic, sub, target, self.is_once, self.impl.seq + 1, first_ns, period_ns, self.payload,
-                          self.slots) for target in targets]
 
+class Stretch(NamedTuple):
+    """What is played of a series: its place in the order, when, how often (NEVER: once), and the messages."""
 
-class Mover(NamedTuple):
-    """A robot: its name, what it drives (None: it stands), and how that is said in MOTION."""
-
-    name: str
-    motion: Callable[[], Any]
-    packed: Callable[[Any], bytes]
+    place: int
+    first_ns: int
+    period_ns: int
+    depth: int  # how many messages of the series were told before
+    series: Series
+    plays: List[Play]
 
 
 class _Recording:
@@ -62,15 +64,16 @@ class _Recording:
 
     plays: Optional[List[Play]] = None
     before_ns = wire.NEVER
+    numbers: Dict[Any, int] = {}  # {rospy's publisher: the number of its last message that was recorded}
 
 
 _recording = _Recording()
-_movers: Dict[int, Mover] = {}  # {index: robot of this process}
+_movers: Dict[int, Tuple[Robot, Callable[[Any], bytes]]] = {}  # {index: robot of this process, and see follow()}
 
 
-def follow(index: int, mover: Mover) -> None:
-    """Play poses and velocities of the robot with ``index``, too."""
-    _movers[index] = mover
+def follow(index: int, robot: Robot, packed: Callable[[Any], bytes]) -> None:
+    """Play poses and velocities of ``robot`` with ``index``, too; ``packed(leg)`` says in MOTION what it drives."""
+    _movers[index] = robot, packed
 
 
 def is_recording() -> bool:
@@ -97,19 +100,20 @@ def note(impl: Any, pack: Pack) -> None:
 
     :raises NotPlayable: if it cannot be played.
     """
-    slots = getattr(pack, 'slots', None)
+    slots: Any = getattr(pack, 'slots', None)
     link = impl.connections[0]
-    if slots is None or len(impl.connections) > 1 or impl.closed or not hasattr(link, 'address'):
+    if len(impl.connections) > 1 or impl.closed or not hasattr(link, 'address'):
         raise NotPlayable(impl.resolved_name)
     address = link.address()
-    moves = any(kind in _MOVING for kind, _ in slots) and _movers[address[1]].motion() is not None
-    if not moves:
+    moves = slots is not None and any(kind in _MOVING for kind, _ in slots) and _movers[address[1]][0].leg is not None
+    if moves and any(kind is None for kind, _ in slots):  # packing.SHIFTED
+        slots, moves = None, False
+    elif slots is not None and not moves:
         slots = [slot for slot in slots if slot[0] not in _MOVING]  # of a robot that stands: they stay
-    elif pack.is_shifted:  # type: ignore[attr-defined]
-        raise NotPlayable(impl.resolved_name)
+    number = _recording.numbers[impl] = _recording.numbers.get(impl, impl.seq) + 1
     assert _recording.plays is not None
-    _recording.plays.append(Play(impl, address, pack(impl.seq + 1), b''.join([_SLOT.pack(*slot) for slot in slots]),
-                                 pack.is_once, moves))  # type: ignore[attr-defined]
+    _recording.plays.append(Play(impl, address, number, pack(number), None if slots is None else b''.join(
+        [_SLOT.pack(*slot) for slot in slots]), getattr(pack, 'is_once', False), moves))
 
 
 class Player:
@@ -117,35 +121,49 @@ class Player:
 
     def __init__(self, source: LockstepClock) -> None:
         self._source = source
-        self._played: List[Tuple[int, Series, List[Play]]] = []  # with the instant of the first message [ns]
+        self._played: List[Stretch] = []
+        self._most = _MOST
         self._moving: Dict[int, Any] = {}  # {index of a robot: its motion that was told last}
 
     def tell(self, now_ns: int, before_ns: int, items: List[Any]) -> int:
         """Append what is played before ``before_ns`` [ns] to the report's ``items``; return when it ends [ns]."""
-        heard, before_ns = self._source.heard_output(before_ns)
+        with self._source.lock:
+            heard, before_ns = self._source.simulation.queue.heard_output(before_ns)
+        _recording.numbers = {}
+        due = [(due_ns, place, 0) for place, (due_ns, _) in enumerate(heard)]
+        heapify(due)
         found = []
-        for due_ns, series in heard:
-            plays, end_ns = self._record(due_ns, series)
+        while due and due[0][0] < before_ns:
+            due_ns, place, depth = heappop(due)
+            series = heard[place][1]
+            plays, end_ns = None, 0
+            if depth < self._most and due_ns < now_ns + _LONGEST_NS:
+                plays, end_ns = self._record(due_ns, series)
             if plays is None:
-                before_ns = min(before_ns, due_ns)
-                continue
-            end_ns = max(due_ns, min(end_ns, now_ns + _LONGEST_NS))
-            before_ns = min(before_ns, due_ns - (due_ns - end_ns) // series.period_ns * series.period_ns)
-            found.append((due_ns, series, plays))
-        self._played = [one for one in found if one[0] < before_ns]
-        for _due_ns, _series, plays in self._played:
-            for sub in [play.address[1] for play in plays if play.moves]:
-                self._tell_motion(sub, items)
-        items += [item for due_ns, series, plays in self._played for play in plays
-                  for item in play.items(due_ns, series.period_ns)]
+                before_ns = due_ns
+            elif any(play.slots is None for play in plays):
+                found.append(Stretch(place, due_ns, wire.NEVER, depth, series, plays))
+                heappush(due, (due_ns + series.period_ns, place, depth + 1))
+            else:
+                end_ns = max(due_ns, min(end_ns, now_ns + _LONGEST_NS))
+                before_ns = min(before_ns, due_ns - (due_ns - end_ns) // series.period_ns * series.period_ns)
+                found.append(Stretch(place, due_ns, series.period_ns, 0, series, plays))
+        self._played = sorted(one for one in found if one.first_ns < before_ns)
+        for one in self._played:
+            for play in one.plays:
+                topic, sub, targets = play.address
+                if play.moves:
+                    self._tell_motion(sub, items)
+                items += [wire.play(topic, sub, target, play.is_once, play.number, one.first_ns, one.period_ns,
+                                    play.payload, play.slots or b'') for target in targets]
         return before_ns
 
     def _record(self, due_ns: int, series: Series) -> Tuple[Optional[List[Play]], int]:
         """Return what the series sends at ``due_ns`` [ns], None: it cannot be played; and until when it holds [ns]."""
         _recording.plays, _recording.before_ns = [], wire.NEVER
         try:
-            with sender(None):
-                self._source.tell(due_ns, series)
+            with self._source.lock, sender(None):
+                self._source.simulation.tell(due_ns, series)
             return _recording.plays, _recording.before_ns
         except Exception:  # if it is an error, it is raised again in its own turn
             return None, wire.NEVER
@@ -153,21 +171,25 @@ class Player:
             _recording.plays = None
 
     def _tell_motion(self, sub: int, items: List[Any]) -> None:
-        mover = _movers[sub]
-        motion = mover.motion()
-        if self._moving.get(sub) is not motion:
-            self._moving[sub] = motion
-            items.append(wire.motion(sub, mover.name, mover.packed(motion)))
+        robot, packed = _movers[sub]
+        if self._moving.get(sub) is not robot.leg:
+            self._moving[sub] = robot.leg
+            items.append(wire.motion(sub, robot.name, packed(robot.leg)))
 
     def happened(self, until_ns: int) -> None:
         """Go on after ``until_ns`` [ns], up to which all has been played; nothing more will be."""
         played, self._played = self._played, []
-        last = []
-        for due_ns, series, plays in played:
-            if due_ns <= until_ns:
-                count = (until_ns - due_ns) // series.period_ns
-                for play in plays:
+        last: Dict[Series, int] = {}
+        depth, is_cut = 0, False
+        for one in played:
+            if one.first_ns <= until_ns:
+                count = (until_ns - one.first_ns) // one.period_ns
+                for play in one.plays:
                     play.impl.seq += count + 1
-                last.append((due_ns + count * series.period_ns, series))
-        last.sort(key=lambda one: one[0])
-        self._source.played(until_ns, last)
+                last[one.series] = one.first_ns + count * one.period_ns
+                depth = max(depth, one.depth)
+            else:
+                is_cut = is_cut or one.period_ns == wire.NEVER
+        self._most = max(depth + 2, _FEWEST) if is_cut else min(2 * self._most, _MOST)
+        self._source.played(until_ns, sorted(((due_ns, series) for series, due_ns in last.items()),
+                                             key=lambda one: one[0]))

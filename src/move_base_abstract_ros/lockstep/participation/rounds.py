@@ -92,7 +92,7 @@ class Rounds:
         self.scheduler.set_source(source)
         self._source_is_background = getattr(source, 'is_background', None)
         self._undone = getattr(source, 'undone', str)
-        if not self._is_charged and hasattr(source, 'heard_output') and plays():
+        if not self._is_charged and hasattr(source, 'played') and plays():
             self._player = Player(source)
 
     def add(self, item: Item) -> None:

@@ -106,7 +106,7 @@ class Participant:
         """Drive the events of ``source`` by the grants.
 
         ``source.next_due_ns()`` returns the next instant [ns] or None, and ``source.run(now_ns)`` runs what is due. A
-        source with output that can be played also has the methods that :class:`.Player` asks for.
+        source with output that can be played also has what :class:`.Player` asks for.
         """
         self.rounds.set_source(source, lambda: rospy.get_param('~play_output', True) is not False)
 
