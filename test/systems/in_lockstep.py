@@ -13,7 +13,6 @@ from scenarios import Condition
 from waiting import read, wait_for_end
 from warm import Loopback
 
-GUARD = 120.0  # s, wall; only ends a run that would never end
 _ROS_LOG = re.compile(r'^(\x1b\[[0-9;]*m)?\[ ?(DEBUG|INFO|WARN|ERROR|FATAL)\]')
 
 
@@ -46,7 +45,7 @@ class InLockstep(Logged):
     def end_of(self, *children):
         """Wait until processes have ended, each with exit code 0; return what each has printed, without ROS's log."""
         for child in children:
-            code = wait_for_end(child, guard=GUARD)
+            code = wait_for_end(child)
             if code:
                 raise AssertionError('{} ended with {}:\n{}'.format(child.name, code, child.last_lines()))
             self.ros.end(child)

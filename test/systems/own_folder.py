@@ -4,11 +4,11 @@ import shutil
 import tempfile
 
 import warm
+from waiting import GUARD
 
 from move_base_abstract.runs.event_log import EventLog
 from move_base_abstract_ros.loopback import find_executable
 
-GUARD = 300.0  # s, wall; only ends a run that would never end
 MANIFEST = """<package format="2"><name>study_of_others</name><version>1.0.0</version><description>x</description>
 <maintainer email="a@example.org">a</maintainer><license>x</license></package>"""
 

@@ -38,7 +38,6 @@ LAUNCH_FILE = """
 """
 OWN_NODE = 'interfaces_test'
 
-GUARD = 150.0  # s, wall
 PACKAGE = rospkg.RosPack().get_path('move_base_abstract')
 IGNORED = ('/rosout', '/get_loggers', '/set_logger_level')
 PARTS = (('goal', 'ActionGoal', 'in'), ('cancel', '', 'in'), ('status', '', 'out'),

@@ -1,6 +1,6 @@
 """The launch files: all of them load and are documented, and the example with two robots really runs.
 
-GUARD [s, simulated] and WALL_GUARD [s] only end a test that would never end.
+GUARD [s, simulated] and waiting.GUARD [s, wall] only end a test that would never end.
 """
 
 import glob
@@ -17,6 +17,7 @@ import roslaunch.config
 import roslaunch.xmlloader
 import rospkg
 import rospy
+import waiting
 import yaml
 from actionlib import GoalStatus, SimpleActionClient
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
@@ -43,7 +44,6 @@ LAUNCH_FILE = """
 OWN_NODE = 'launch_files_test'
 
 GUARD = 600.0
-WALL_GUARD = 60.0
 SPEED = 1.0  # m/s, DWAPlannerROS/max_vel_trans of the example
 TOLERANCE = 0.1  # m, DWAPlannerROS/xy_goal_tolerance of the example
 LAUNCH = os.path.join(rospkg.RosPack().get_path('move_base_abstract'), 'launch')
@@ -208,7 +208,7 @@ class LaunchFiles(unittest.TestCase):
                 self.assertEqual(self._addresses(ros, name, child), {'127.0.0.1'}, name)
 
     def _addresses(self, ros, name, child):
-        deadline = time.monotonic() + WALL_GUARD
+        deadline = time.monotonic() + waiting.GUARD
         while True:
             try:
                 return listening_addresses(pid_of('/' + name, ros.uri))

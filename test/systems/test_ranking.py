@@ -16,6 +16,7 @@ sys.path.insert(0, FOLDER)
 import missions  # noqa: E402
 import warm  # noqa: E402
 from dispatching import POLICIES  # noqa: E402
+from waiting import GUARD  # noqa: E402
 
 PLAIN_PYTHON = os.path.join(SHARE, '.ws', 'plain', 'bin', 'python')  # which has SimPy
 PLAIN = """
@@ -27,7 +28,6 @@ occupancy, places = plain.map_of('farm_yard')
 print(json.dumps({policy: plain.run_mission('encounters', policy, 3, missions.make_mission(places, 7), occupancy, seed)
                   for seed, policy in enumerate(POLICIES)}))
 """
-GUARD = 300.0  # s, wall; only ends a run that would never end
 
 
 class RankingTest(unittest.TestCase):

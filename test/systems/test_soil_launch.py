@@ -13,7 +13,7 @@ import rospy
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import Float64
 from visualization_msgs.msg import Marker, MarkerArray
-from waiting import wait_for
+from waiting import GUARD, wait_for
 
 pytestmark = pytest.mark.night
 LAUNCH_FILE = """
@@ -33,7 +33,6 @@ LAUNCH_FILE = """
 </launch>
 """
 
-GUARD = 90.0
 NODE = '/soil_coordinator/'
 
 

@@ -19,12 +19,11 @@ from unittest import mock
 
 import pytest
 from scenarios import ALL_CORES, Condition, repeated
-from waiting import wait_for
+from waiting import GUARD, wait_for
 
 from move_base_abstract_ros import loopback
 from soil_mapping.study import ros_trial
 
-GUARD = 120.0
 STUDY = str(pathlib.Path(__file__).resolve().parents[2] / 'examples' / 'study.py')
 MISSION = ['--budget', '120', '--seed', '3', '--no-pictures']
 LIMIT = 40.0  # simulated s per wall s

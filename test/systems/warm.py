@@ -23,13 +23,14 @@ import subprocess
 import sys
 import tempfile
 
+from waiting import GUARD
+
 from move_base_abstract.common import processes
 from move_base_abstract_experiments.carrying import sockets
 from move_base_abstract_ros import loopback
 from move_base_abstract_ros.launching import ros_master, warm_nodes
 from move_base_abstract_ros.lockstep.programs import native_library
 
-GUARD = 60.0  # s, wall
 _FORKING = ('lockstep', 'lockstep_launch', 'verify')  # these fork nodes, or are nodes
 _HERE = os.path.dirname(os.path.abspath(__file__))
 _ROOT = os.path.dirname(os.path.dirname(_HERE))
