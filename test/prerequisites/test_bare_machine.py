@@ -22,7 +22,8 @@ def test_a_command_succeeds_on_a_bare_debian(command):
     done = on_a_bare_machine(*command)
     if done.returncode == SKIPPED:
         pytest.skip(done.stdout.splitlines()[-1])
-    assert done.returncode == 0, done.stdout[-20000:]
+    failed = [line for line in done.stdout.splitlines() if line.startswith('FAIL')]  # steps of `make test`
+    assert done.returncode == 0, '\n'.join([*failed, done.stdout[-20000:]])
 
 
 @pytest.mark.parametrize('command, environment, said', [
