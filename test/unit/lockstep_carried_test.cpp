@@ -10,17 +10,12 @@
 #include <vector>
 
 #include "broken.h"
-#include "lockstep_client.h"
-#include "lockstep_items.h"
+#include "lockstep_news.h"
 
 namespace move_base_abstract::lockstep_carried_test {
 namespace {
 
-using Texts = std::vector<std::string>;
-using Items = std::vector<wire::ReportItem>;
-
-constexpr std::uint32_t kNews = 1;
-constexpr std::uint32_t kAnswers = 2;
+using namespace lockstep_news;
 
 /** @brief Carries as a function says. */
 class By : public Carrier {
@@ -44,21 +39,10 @@ LockstepSettings logged() {
   return settings;
 }
 
-Texts grants(Stage& stage, ConnectionId id) {
-  return grants(stage, id, [](const wire::GrantItem& item) { return itemText(item); });
-}
-
-/** @brief /a tells news, to which /b listens; /b gives answers, to which /a listens. All linked. */
-struct Carried2 : Pair {
-  explicit Carried2(std::unique_ptr<Carrier> carrier, LockstepSettings settings = logged())
-      : Pair(settings) {
-    session.addCarrier(std::move(carrier));
-    report(1, kNever, {advertise(kNews, "/news"), subscribe(kAnswers, "/answers")});
-    report(2, kNever,
-           {subscribe(kNews, "/news"), advertise(kAnswers, "/answers"), wire::Serve{1, 0, "/do"}});
-    grants(*this, 1);
-    grants(*this, 2);
-  }
+/** @brief Linked, with a carrier of its mail. */
+struct Carried2 : Linked {
+  explicit Carried2(std::unique_ptr<Carrier> carrier, const LockstepSettings& settings = logged())
+      : Linked(std::move(carrier), settings) {}
   /** @brief /a wakes up at @p wake after it has done @p items; /b waits. */
   void start(Items items, Nanoseconds wake = kNever, std::uint32_t open = 0) {
     report(1, wake, std::move(items), open);

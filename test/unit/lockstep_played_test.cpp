@@ -10,31 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "lockstep_client.h"
-#include "lockstep_items.h"
+#include "lockstep_news.h"
 
 namespace move_base_abstract::lockstep_played_test {
 namespace {
 
-using Texts = std::vector<std::string>;
-using Items = std::vector<wire::ReportItem>;
-
-constexpr std::uint32_t kNews = 1;
-constexpr std::uint32_t kAnswers = 2;
-
-Texts grants(Stage& stage, ConnectionId id) {
-  return grants(stage, id, [](const wire::GrantItem& item) { return itemText(item); });
-}
-
-/** @brief /a tells news, to which /b listens; /b gives answers, to which /a listens. All linked. */
-struct Linked : Pair {
-  Linked() {
-    report(1, kNever, {advertise(kNews, "/news"), subscribe(kAnswers, "/answers")});
-    report(2, kNever, {subscribe(kNews, "/news"), advertise(kAnswers, "/answers")});
-    grants(*this, 1);
-    grants(*this, 2);
-  }
-};
+using namespace lockstep_news;
 
 /** @brief News at @p first, and then once in @p period [s]; without one only once. */
 wire::Play plays(Nanoseconds first, std::string_view payload, Nanoseconds period = 0,
@@ -157,6 +138,20 @@ TEST(Played, AMessageComesBeforeTheOwnTurnOfItsWindow) {
             Texts{"3250+0: to 4000000000 deliver 1 1 x at 3500000000 deliver 1 1 y"});
   stage.report(2, kNever);
   EXPECT_EQ(grants(stage, 2), Texts{"4000+0: to 5000000000 deliver 1 1 z"});
+}
+
+TEST(Played, AKnockInAWindowComesAfterWhatHasBeenPlayedInIt) {
+  Pair stage(withLookahead());
+  stage.report(1, kNever, {advertise(kNews, "/news")});
+  stage.report(2, kNever, {subscribe(kNews, "/news")});
+  grants(stage, 1);
+  grants(stage, 2);
+  stage.report(1, 9 * kSecond, {plays(3, "x", 1)});
+  stage.report(2, 3 * kSecond);
+  EXPECT_EQ(grants(stage, 2), Texts{"3000+0: to 4000000000"});
+  stage.frame(1, wire::Knock{});
+  stage.report(2, kNever);
+  EXPECT_EQ(grants(stage, 1), Texts{"3000+1: to 4000000000 happened 3000"});
 }
 
 // ---- slots -----------------------------------------------------------------------------------

@@ -252,7 +252,7 @@ std::vector<LockstepRounds::Grant> LockstepRounds::enterWindow(std::vector<Membe
     MemberState& member = members_.at(id);
     const Nanoseconds next = windows_.ownNextOf(member);
     if (member.happened) {
-      member.happened = next - 1;
+      member.happened = std::max(next - 1, member.latest);
     }
     grants.push_back(grantOne(id, member, wall));
     grants.back().time = next;
