@@ -4,6 +4,7 @@ import sys
 import unittest
 
 from in_lockstep import InLockstep, assert_same
+from night import times
 from scenarios import Condition, repeated
 from waiting import read
 
@@ -11,6 +12,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLLOWER = os.path.join(HERE, 'unmodified', 'feedback_follower.py')
+BUSYBODY = os.path.join(HERE, 'unmodified', 'busybody.py')
 RATES = {'feedback_freq': 20.0, 'pose_update_freq': 10.0, 'tf_heartbeat_freq': 10.0, 'max_speed': 1.0,
          'acceleration': 0.5}
 #: periodic output that follows from more than the instant and the motion, some of it of robots whose poses are wrong
@@ -83,3 +85,56 @@ class Played(unittest.TestCase):
             self.assertIn(lapse, [row[3][0] for row in plain.events if row[2] == 'lapse_began'])
         self.assertEqual(run.said, plain.said)
         assert_same(self, plain.events, run.events)
+
+#: a node that takes no part, and lets time go on in steps at first
+STEPPER = """
+import rospy
+from move_base_abstract_ros.time_master_client import TimeMasterClient
+rospy.init_node('stepper')
+master = TimeMasterClient()
+for number in range(12):
+    master.wait_until(master.step(0.15 + 0.07 * (number % 5)))
+master.resume()
+rospy.spin()
+"""
+#: {how a run goes on: parameters of the time master, and of the second fleet}
+EVENTFUL = {
+    'in steps': ({'start_paused': True}, {}),
+    'with a lookahead': ({'lookahead': 0.08}, {}),
+    'with chaos, over a radio, charged, and up to an end': (
+        {'chaos_seed': 3, 'chaos_delay': 0.1, 'end_at': 12.3456, 'network': [
+            'seed 1', 'host robot_* robot /robot_*/**', 'host base at 0.0 0.0 /busybody',
+            'link base robot_* delay 1000000 50000000 loss 0.1 lost drop']}, {'lockstep_charge': 'fixed:0.01'})}
+
+
+def run_eventful(plays, seed, clock, of_second):
+    """Return a run of two fleets and a busybody, with all messages in its log, and what the busybody ``said``."""
+    fleets = ['fleet_0', 'fleet_1']
+    with InLockstep(['/busybody', *fleets], log_messages=True, **clock) as run:
+        for part, (name, own) in enumerate(zip(fleets, ({}, of_second))):
+            run.ros.run('fleet', name, parameters={
+                'play_output': plays, 'part': part, 'parts': len(fleets), **own,
+                'defaults': {**RATES, 'buggify': {'stop': 0.2, 'jump': 0.3, 'mute': 0.2}},
+                'robots': [{'name': 'robot_{}'.format(number), 'start_y': 2.0 * number} for number in range(4)]})
+        if 'start_paused' in clock:
+            run.ros.spawn('/stepper', [sys.executable, '-c', STEPPER])
+        run.said, = run.end_of(run.ros.spawn('/busybody', [
+            find_executable('lockstep'), BUSYBODY, str(seed), '__name:=busybody']))
+    return run
+
+
+class Eventful(unittest.TestCase):
+    """What begins, ends and changes within a stretch: each run has the messages of the one that plays nothing."""
+
+    def test_whatever_happens_every_message_is_the_same(self):
+        for seed in range(times(1, 5)):
+            for name, (clock, of_second) in EVENTFUL.items():
+                with self.subTest(name, seed=seed):
+                    plain, played = (run_eventful(plays, seed, clock, of_second) for plays in (False, True))
+                    self.assertEqual(played.said, plain.said)
+                    assert_same(self, plain.events, played.events)
+                    self.assertEqual(played.end, plain.end)
+                    self.assertEqual(played.end['not_repeatable_because'], [])
+                    kinds = [kind for _, _, kind, _ in played.events]
+                    self.assertEqual(kinds.count('uncaught'), 0, played.events)
+                    self.assertGreater(kinds.count('message'), 200)

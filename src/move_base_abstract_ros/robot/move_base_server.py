@@ -210,13 +210,15 @@ class MoveBaseServer:
     def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
         """Use other limits (MotionLimits) and tolerances (Tolerances) from the next leg on."""
         with self._clock.lock:
+            now_ns = self._clock.now_ns()
             self.navigator.robot.set_motion(limits, tolerances)
-            self._stream.tell(motion_of(self.navigator.robot, self._clock.look_ns()))
+            self._stream.tell(motion_of(self.navigator.robot, now_ns))
 
     def reconfigure_goals(self, config: Any) -> None:
         """Use the values that dynamic_reconfigure has set for move_base itself. ``config``: {name: value}."""
         policy, behaviors = self._settings.recovery, self._settings.behaviors
         with self._clock.lock:
+            self._clock.now_ns()  # new feedback begins now
             self.navigator.set_recovery_policy(RecoveryPolicy(
                 policy.fast, 0.0 if config['max_planning_retries'] >= 0 else config['planner_patience'],
                 behaviors if config['recovery_behavior_enabled'] else ()))

@@ -117,12 +117,12 @@ def note(impl: Any, pack: Pack) -> None:
 
 
 class Player:
-    """Has the output of one participant played. The calling thread must have the turn."""
+    """Has the output of one participant played, if it ``plays``. The calling thread must have the turn."""
 
-    def __init__(self, source: LockstepClock) -> None:
+    def __init__(self, source: LockstepClock, plays: bool = True) -> None:
         self._source = source
         self._played: List[Stretch] = []
-        self._most = _MOST
+        self._most = _MOST if plays else 0
         self._moving: Dict[int, Any] = {}  # {index of a robot: its motion that was told last}
 
     def tell(self, now_ns: int, before_ns: int, items: List[Any]) -> int:
@@ -178,6 +178,8 @@ class Player:
 
     def happened(self, until_ns: int) -> None:
         """Go on after ``until_ns`` [ns], up to which all has been played; nothing more will be."""
+        if not self._played:
+            return
         played, self._played = self._played, []
         last: Dict[Series, int] = {}
         depth, is_cut = 0, False

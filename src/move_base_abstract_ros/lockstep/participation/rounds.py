@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.lockstep import open_waits, wire
@@ -51,7 +51,7 @@ class Rounds:
         self._items: List[Item] = []
         self._is_charged = type(charge) is not NoCharge
         self._player: Any = None
-        self._source_is_background: Any = None
+        self._source_is_background: Callable[[], bool] = bool
         self._undone: Callable[[], str] = str
         self._has_mail = False
         self._told = ''
@@ -72,7 +72,7 @@ class Rounds:
         ``handlers`` is {kind of a grant's item: function of its values, to be called in the turn}; the functions of
         ``at_once`` are called before.
         """
-        self._handlers, self._at_once = handlers, {**at_once, wire.HAPPENED: self._on_happened}
+        self._handlers, self._at_once = handlers, at_once
         self.await_grant()
 
     @contextmanager
@@ -90,10 +90,10 @@ class Rounds:
         ``plays()`` returns whether the time master plays output; it is called if the source has output.
         """
         self.scheduler.set_source(source)
-        self._source_is_background = getattr(source, 'is_background', None)
+        self._source_is_background = getattr(source, 'is_background', bool)
         self._undone = getattr(source, 'undone', str)
-        if not self._is_charged and hasattr(source, 'played') and plays():
-            self._player = Player(source)
+        if hasattr(source, 'played'):
+            self._player = Player(source, not self._is_charged and plays())
 
     def add(self, item: Item) -> None:
         """Add ``item`` to the next report: bytes, or a function that returns them at the end of the round.
@@ -125,7 +125,7 @@ class Rounds:
         is_resting = self.scheduler.is_resting
         if is_resting:
             self._items.append(wire.rest())
-        self._report(next_ns, may_play=not (deferred or is_resting))
+        self._report(next_ns, may_play=self.scheduler.is_source_alone and not (deferred or is_resting))
         actions = self.await_grant()
         # No mail has come, and no other thread had asked for a round.
         self.is_at_rest = is_resting and not (
@@ -172,12 +172,12 @@ class Rounds:
         self._items[:] = [item() if callable(item) else item for item in self._items]
 
     def _report(self, next_ns: int, may_play: bool = False) -> None:
-        if (may_play and self._player is not None and self.scheduler.is_source_alone
-                and next_ns > self.scheduler.now_ns):
+        if may_play and self._player is not None and next_ns > self.scheduler.now_ns:
             next_ns = self._player.tell(self.scheduler.now_ns, min(
                 self.scheduler.next_besides_source_ns(), self.window.first_arrival_ns), self._items)
-        # Not before: output that nobody hears any more, which is asleep by now, would be a reason to go on.
-        is_background = may_play and self.scheduler.now_ns < next_ns < wire.NEVER and self._is_background()
+        # Only onlookers would notice. (Not before: output that nobody hears any more would be a reason to go on.)
+        is_background = (may_play and self.scheduler.now_ns < next_ns < wire.NEVER
+                         and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
         if self.window.is_open:
             self.is_starting = self._keeps_starting
             self._end_turn()
@@ -207,36 +207,33 @@ class Rounds:
         except Closed as error:
             self._participant.lost(str(error))
 
-    def _is_background(self) -> bool:
-        """Return whether only onlookers would notice if time did not go on to the next event."""
-        return (self._source_is_background is not None and self.scheduler.is_source_alone
-                and self.scheduler.next_besides_source_ns() == wire.NEVER and self._source_is_background())
-
     def await_grant(self) -> List[Callable[..., Any]]:
         """Wait for the next grant, and return its items as functions to be called in this order."""
         if self.window.walks_to_ns is not None:
-            now_ns, items = self.window.next_turn()
-            if self._player is not None:
-                self._player.happened(now_ns - 1)
-            return self._begin_turn(now_ns, items)
+            return self._begin_turn(*self.window.next_turn())
         try:
             while True:
                 kind, body = self._connection.receive()
                 if kind == wire.GRANT:
                     if self._begin is not None:
                         self._begin()
-                    self.number, now_ns, _, items = wire.read_grant(body)
-                    return self._begin_turn(now_ns, self.window.take(items, now_ns))
+                    self.number, now_ns, microstep, items = wire.read_grant(body)
+                    items = self.window.take(items, now_ns)
+                    return self._begin_turn(now_ns, items, microstep > 0 and not self.window.is_open)
                 self._participant.take_in(kind, body)
         except (Closed, wire.WireError) as error:
             return self._participant.lost(str(error))
 
-    def _begin_turn(self, now_ns: int, items: Sequence[Tuple[Any, ...]]) -> List[Callable[..., Any]]:
+    def _begin_turn(self, now_ns: int, items: List[Tuple[Any, ...]], is_late: bool = False) -> List[Callable[..., Any]]:
+        """``is_late``: whether what was due at ``now_ns`` [ns] has happened in an earlier round."""
         self.is_granted, self._has_mail = True, any(item[0] != wire.CHANGED for item in items)
         self.charge.begin()
         if now_ns != self.scheduler.now_ns:
             self.scheduler.now_ns = self.scheduler.shown_ns[0] = now_ns
             set_rostime(now_ns)
+        if self._player is not None:  # before all else; series without a message are not told of by the time master
+            told_ns = items.pop(0)[1] if items and items[0][0] == wire.HAPPENED else 0
+            self._player.happened(max(told_ns, now_ns if is_late else now_ns - 1))
         actions: List[Callable[..., Any]] = []
         for item in items:
             if item[0] in self._at_once:
@@ -244,10 +241,6 @@ class Rounds:
             else:
                 actions.append(partial(self._handlers[item[0]], *item[1:]))
         return actions
-
-    def _on_happened(self, until_ns: int) -> None:
-        """Go on behind what has been played. This comes before all other items."""
-        self._player.happened(until_ns)
 
     def knock(self) -> None:
         """Ask the time master for a grant. For any thread."""
