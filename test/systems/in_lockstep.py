@@ -54,7 +54,7 @@ class InLockstep(Logged):
     def __exit__(self, kind, error, trace):
         try:
             if kind is None and 'end_at' in self._clock:
-                wait_for_end(self._master, guard=GUARD)
+                wait_for_end(self._master)
             elif kind is None:
                 self.ros.check()
                 self.ros.end(self._master)
