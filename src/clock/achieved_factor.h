@@ -1,5 +1,4 @@
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_ACHIEVED_FACTOR_H
-#define MOVE_BASE_ABSTRACT_CLOCK_ACHIEVED_FACTOR_H
+#pragma once
 
 #include <algorithm>
 #include <deque>
@@ -61,5 +60,3 @@ class AchievedFactor {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_ACHIEVED_FACTOR_H

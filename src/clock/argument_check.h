@@ -1,6 +1,5 @@
 // Arguments that are refused, with what was got and what is allowed.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_ARGUMENT_CHECK_H
-#define MOVE_BASE_ABSTRACT_CLOCK_ARGUMENT_CHECK_H
+#pragma once
 
 #include <stdexcept>
 #include <string>
@@ -42,5 +41,3 @@ inline Nanoseconds checkedTarget(Nanoseconds present, Nanoseconds target) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_ARGUMENT_CHECK_H

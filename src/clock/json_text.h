@@ -1,8 +1,7 @@
 // Texts as JSON strings. This is written by hand for two reasons. Event logs must have the same
 // bytes as those of earlier versions, and libraries write some control characters in other forms.
 // And a busy run writes thousands of texts a second.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
-#define MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H
+#pragma once
 
 #include <cstdio>
 #include <string>
@@ -29,5 +28,3 @@ inline void appendJson(std::string& json, std::string_view text) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_JSON_TEXT_H

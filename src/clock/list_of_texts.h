@@ -1,6 +1,5 @@
 // Reads a list of texts from a command line. No ROS, no state.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
-#define MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H
+#pragma once
 
 #include <cstddef>
 #include <optional>
@@ -38,5 +37,3 @@ inline std::optional<std::vector<std::string>> listOfTexts(const std::string& te
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_LIST_OF_TEXTS_H

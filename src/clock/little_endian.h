@@ -1,6 +1,5 @@
 // Numbers as bytes, the lowest one first, as in frames, in ROS messages and in payloads with slots.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_LITTLE_ENDIAN_H
-#define MOVE_BASE_ABSTRACT_CLOCK_LITTLE_ENDIAN_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -40,5 +39,3 @@ void putNumber(char* bytes, Number value) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_LITTLE_ENDIAN_H

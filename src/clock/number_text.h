@@ -1,6 +1,5 @@
 // Numbers, times and names as texts, for the errors and messages of the event-driven clock.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
-#define MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H
+#pragma once
 
 #include <sstream>
 #include <string>
@@ -48,5 +47,3 @@ inline std::string joined(const std::vector<std::string>& parts) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_NUMBER_TEXT_H

@@ -1,6 +1,5 @@
 // Decides when /clock is due and with which time. No ROS, no clock of its own.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_PUBLICATION_PLAN_H
-#define MOVE_BASE_ABSTRACT_CLOCK_PUBLICATION_PLAN_H
+#pragma once
 
 #include <algorithm>
 
@@ -58,5 +57,3 @@ class PublicationPlan {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_PUBLICATION_PLAN_H

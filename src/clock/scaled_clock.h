@@ -1,6 +1,5 @@
 // Simulated time as a multiple of wall time, in integers. No ROS, no clock of its own.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_SCALED_CLOCK_H
-#define MOVE_BASE_ABSTRACT_CLOCK_SCALED_CLOCK_H
+#pragma once
 
 #include <cstdint>
 #include <limits>
@@ -90,5 +89,3 @@ class ScaledClock {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_SCALED_CLOCK_H

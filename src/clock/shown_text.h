@@ -1,6 +1,5 @@
 // Makes texts from other programs fit for a terminal and a log.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_SHOWN_TEXT_H
-#define MOVE_BASE_ABSTRACT_CLOCK_SHOWN_TEXT_H
+#pragma once
 
 #include <cstddef>
 #include <string>
@@ -28,5 +27,3 @@ bool hasControlCharacters(std::string_view text);
 std::string shown(std::string_view text, std::size_t most = kMostShown);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_SHOWN_TEXT_H

@@ -1,7 +1,6 @@
 // The rules of the time master for the scaled clock. No ROS, no thread, no sleeping: wall time is
 // an argument.
-#ifndef MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
-#define MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H
+#pragma once
 
 #include <map>
 #include <optional>
@@ -134,5 +133,3 @@ class TimeMaster {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_CLOCK_TIME_MASTER_H

@@ -1,6 +1,5 @@
 // The address for participants on the time master's own computer: a Unix socket without a file.
-#ifndef MOVE_BASE_ABSTRACT_COMMON_LOCAL_ADDRESS_H
-#define MOVE_BASE_ABSTRACT_COMMON_LOCAL_ADDRESS_H
+#pragma once
 
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -37,5 +36,3 @@ inline LocalAddress localAddressOf(const std::string& address) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_COMMON_LOCAL_ADDRESS_H

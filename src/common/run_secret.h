@@ -1,6 +1,5 @@
 // The secret of a run, without which a program cannot take part in it. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_COMMON_RUN_SECRET_H
-#define MOVE_BASE_ABSTRACT_COMMON_RUN_SECRET_H
+#pragma once
 
 #include <cstddef>
 #include <string>
@@ -24,5 +23,3 @@ constexpr std::size_t kLongestSecret = 1024;  // bytes
 std::string runSecret(const std::string& text, const std::string& file);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_COMMON_RUN_SECRET_H

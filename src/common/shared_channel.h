@@ -1,7 +1,6 @@
 // Memory that a participant shares with the time master on its computer. Grants and reports go
 // through it; everything else, and what is too large, goes over their socket. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_COMMON_SHARED_CHANNEL_H
-#define MOVE_BASE_ABSTRACT_COMMON_SHARED_CHANNEL_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -167,5 +166,3 @@ std::uint64_t merge(SharedChannel* channel, std::uint64_t read, std::string_view
                     const std::function<void(std::string_view)>& pass);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_COMMON_SHARED_CHANNEL_H

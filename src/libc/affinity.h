@@ -1,7 +1,6 @@
 // What TBB sees of the computer's cores, of which it starts a thread for each but the first. These
 // threads would take no turns. Both preloaded libraries use it. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_AFFINITY_H
-#define MOVE_BASE_ABSTRACT_LIBC_AFFINITY_H
+#pragma once
 
 #include <dlfcn.h>
 #include <sched.h>
@@ -33,5 +32,3 @@ inline void keepFirst(std::size_t size, cpu_set_t* cores) {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_AFFINITY_H

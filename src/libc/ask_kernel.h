@@ -1,6 +1,5 @@
 // System calls past libc, and past all that stands in front of it.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_ASK_KERNEL_H
-#define MOVE_BASE_ABSTRACT_LIBC_ASK_KERNEL_H
+#pragma once
 
 namespace move_base_abstract {
 
@@ -34,5 +33,3 @@ inline long askKernel(long number, long a = 0, long b = 0, long c = 0, long d = 
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_ASK_KERNEL_H

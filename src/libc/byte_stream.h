@@ -1,7 +1,6 @@
 // Random bytes that follow from a text. Both preloaded libraries use it, so it needs neither ROS
 // nor allocations.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H
-#define MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H
+#pragma once
 
 #include <fcntl.h>
 #include <string.h>
@@ -77,5 +76,3 @@ inline int fileOf(ByteStream&& bytes, int flags) {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_BYTE_STREAM_H

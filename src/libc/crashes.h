@@ -1,7 +1,6 @@
 // The last word of a process that crashes: by it, its time master knows that no other process has
 // killed it. Whoever includes this has the CrashWord. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_CRASHES_H
-#define MOVE_BASE_ABSTRACT_LIBC_CRASHES_H
+#pragma once
 
 #include <pthread.h>
 #include <signal.h>
@@ -57,5 +56,3 @@ void tellOfCrashes() {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_CRASHES_H

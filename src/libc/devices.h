@@ -1,7 +1,6 @@
 // Files of the system and devices, whose content differs from run to run. Both preloaded libraries
 // use this.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_DEVICES_H
-#define MOVE_BASE_ABSTRACT_LIBC_DEVICES_H
+#pragma once
 
 #include <fcntl.h>
 #include <string.h>
@@ -37,5 +36,3 @@ inline const char* ofNoFolder(int folder, const char* path) {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_DEVICES_H

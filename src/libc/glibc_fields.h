@@ -1,6 +1,5 @@
 // Private fields of glibc's locks and conditions; fit.cpp checks that they mean what is expected.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H
-#define MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H
+#pragma once
 
 #include <pthread.h>
 #include <time.h>
@@ -17,5 +16,3 @@ inline clockid_t clockOf(const pthread_cond_t& condition) {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_GLIBC_FIELDS_H

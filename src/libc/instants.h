@@ -1,6 +1,5 @@
 // Conversions of times, and kinds of clocks. Both preloaded libraries use it, so it needs no ROS.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H
-#define MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H
+#pragma once
 
 #include <time.h>
 
@@ -36,5 +35,3 @@ inline bool isOfProcessor(clockid_t clock) {
 
 }  // namespace shim
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_INSTANTS_H

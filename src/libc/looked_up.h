@@ -1,7 +1,6 @@
 // The functions in front of which a preloaded library stands. Both preloaded libraries use it. No
 // ROS, no allocations.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_LOOKED_UP_H
-#define MOVE_BASE_ABSTRACT_LIBC_LOOKED_UP_H
+#pragma once
 
 #include <dlfcn.h>
 
@@ -56,5 +55,3 @@ class LookedUp {
 
 /** The address from which the function was called in which this stands. */
 #define MOVE_BASE_ABSTRACT_CALLER __builtin_return_address(0)
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_LOOKED_UP_H

@@ -1,7 +1,6 @@
 // The environment variable by which a library is preloaded. Both preloaded libraries use it. No
 // ROS.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_PRELOAD_H
-#define MOVE_BASE_ABSTRACT_LIBC_PRELOAD_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -42,5 +41,3 @@ inline bool leavePreload(const char* own) {
 }
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_PRELOAD_H

@@ -1,6 +1,5 @@
 // libc's syscall(), which both preloaded libraries stand in front of. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_LIBC_RAW_CALL_H
-#define MOVE_BASE_ABSTRACT_LIBC_RAW_CALL_H
+#pragma once
 
 #pragma GCC visibility push(default)
 /** @brief syscall(), whose words come where those of any other function come, however many its
@@ -8,5 +7,3 @@
 extern "C" long rawCall(long number, long a, long b, long c, long d, long e, long f) noexcept
     __asm__("syscall");
 #pragma GCC visibility pop
-
-#endif  // MOVE_BASE_ABSTRACT_LIBC_RAW_CALL_H

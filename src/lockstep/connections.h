@@ -1,7 +1,6 @@
 // The connections of a session: received bytes, which come in pieces, and bytes to be sent. No
 // sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -87,5 +86,3 @@ class Connections {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_CONNECTIONS_H

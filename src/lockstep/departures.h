@@ -1,7 +1,6 @@
 // How a participant leaves: by itself, because its process died, or because a signal told it to
 // end.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_DEPARTURES_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_DEPARTURES_H
+#pragma once
 
 #include <string>
 #include <utility>
@@ -68,5 +67,3 @@ class Departures {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_DEPARTURES_H

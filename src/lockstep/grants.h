@@ -1,6 +1,5 @@
 // Sends the grants of a round to the participants.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -39,5 +38,3 @@ class Grants {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_GRANTS_H

@@ -1,6 +1,5 @@
 // What happens to a run when signals tell its participants to end, at instants of the wall clock.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_INTERRUPTION_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_INTERRUPTION_H
+#pragma once
 
 #include <map>
 #include <string>
@@ -84,5 +83,3 @@ class Interruption {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_INTERRUPTION_H

@@ -1,7 +1,6 @@
 // How participants join: which nodes may take part, with which number, and how the others learn of
 // them.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_JOINING_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_JOINING_H
+#pragma once
 
 #include <cstdint>
 #include <set>
@@ -41,5 +40,3 @@ class Joining {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_JOINING_H

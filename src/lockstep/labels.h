@@ -1,6 +1,5 @@
 // Labels of a run: the reasons why it is not repeatable, or is degraded.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -44,5 +43,3 @@ class RunLabels {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_LABELS_H

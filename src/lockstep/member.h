@@ -1,6 +1,5 @@
 // A participant, as a session knows it.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_MEMBER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_MEMBER_H
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -59,5 +58,3 @@ class ChangedMembers {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_MEMBER_H

@@ -1,6 +1,5 @@
 // The messages of a session to the user.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_MESSAGE_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_MESSAGE_H
+#pragma once
 
 #include <string>
 #include <utility>
@@ -35,5 +34,3 @@ class MessageList {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_MESSAGE_H

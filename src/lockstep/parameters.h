@@ -1,7 +1,6 @@
 // ROS parameters: the values that participants set, and the nodes that depend on parameters which
 // others may set.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_PARAMETERS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_PARAMETERS_H
+#pragma once
 
 #include <map>
 #include <set>
@@ -59,5 +58,3 @@ class ParameterBook {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_PARAMETERS_H

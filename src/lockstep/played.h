@@ -1,7 +1,6 @@
 // Messages that the time master makes and sends in a participant's place: series of one template.
 // No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_PLAYED_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_PLAYED_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -83,5 +82,3 @@ class Played {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_PLAYED_H

@@ -1,6 +1,5 @@
 // Carries what participants send each other over the radio between their hosts.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_TRAFFIC_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_TRAFFIC_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -134,5 +133,3 @@ class RadioTraffic : public Carrier {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_TRAFFIC_H

@@ -1,6 +1,5 @@
 // The lines that one round adds to the event log, in their stated order.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H
+#pragma once
 
 #include <functional>
 #include <string>
@@ -71,5 +70,3 @@ class RoundLog {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUND_LOG_H

@@ -1,6 +1,5 @@
 // The data that the parts of a session share.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H
+#pragma once
 
 #include <memory>
 #include <string>
@@ -63,5 +62,3 @@ struct LockstepRun {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_H

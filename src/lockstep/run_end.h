@@ -1,6 +1,5 @@
 // How a run ends.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H
+#pragma once
 
 #include <string>
 #include <string_view>
@@ -83,5 +82,3 @@ class RunEnd {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RUN_END_H

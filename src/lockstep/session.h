@@ -1,6 +1,5 @@
 // The event-driven clock without sockets: it takes and gives the bytes of connections.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SESSION_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_SESSION_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -180,5 +179,3 @@ class LockstepSession {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SESSION_H

@@ -1,8 +1,7 @@
 // Files that participants have opened. If two participants use one file, and at least one writes
 // it, data can pass between them outside the order of simulated time. For programs of all kinds,
 // shared_files.cpp decides which files do not matter.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H
+#pragma once
 
 #include <map>
 #include <set>
@@ -30,5 +29,3 @@ class SharedFiles {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SHARED_FILES_H

@@ -1,6 +1,5 @@
 // Messages about participants whose work on one grant takes long.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H
+#pragma once
 
 #include "departures.h"
 #include "lockstep/wire/wire.h"
@@ -26,5 +25,3 @@ class Silence {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_SILENCE_H

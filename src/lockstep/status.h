@@ -1,6 +1,5 @@
 // The state of a session, for state messages and as texts.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -153,5 +152,3 @@ class StatusText {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_STATUS_H

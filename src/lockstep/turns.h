@@ -1,6 +1,5 @@
 // Applies what participants do in their turns, in the stated order.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_TURNS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_TURNS_H
+#pragma once
 
 #include <memory>
 #include <string>
@@ -58,5 +57,3 @@ class Turns {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_TURNS_H

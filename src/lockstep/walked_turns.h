@@ -1,6 +1,5 @@
 // With a lookahead: applies the turns that participants have had by themselves.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H
+#pragma once
 
 #include <deque>
 #include <memory>
@@ -57,5 +56,3 @@ class WalkedTurns {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WALKED_TURNS_H

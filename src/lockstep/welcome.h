@@ -1,6 +1,5 @@
 // The values that the time master decides for a participant, and sends in its WELCOME.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WELCOME_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_WELCOME_H
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -49,5 +48,3 @@ std::vector<std::string> excludedTopics(const LockstepSettings& settings, std::s
 std::string encodeWelcome(MemberId id, const wire::Hello& hello, const LockstepSettings& settings);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WELCOME_H

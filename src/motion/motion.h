@@ -1,6 +1,5 @@
 // Where a robot is at any instant, by the pieces of the motion that it has reported.
-#ifndef MOVE_BASE_ABSTRACT_MOTION_MOTION_H
-#define MOVE_BASE_ABSTRACT_MOTION_MOTION_H
+#pragma once
 
 #include <string_view>
 #include <vector>
@@ -36,5 +35,3 @@ class Motion {
 };
 
 }  // namespace move_base_abstract::motion
-
-#endif  // MOVE_BASE_ABSTRACT_MOTION_MOTION_H

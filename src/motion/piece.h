@@ -1,8 +1,7 @@
 // A piece of a robot's motion, and the pose and the velocity at any instant, in closed form.
 // The same formulas in the same order stand in move_base_abstract/motion/pieces.py: the results are
 // the same to the last bit. A table of cases (test/data/pieces.json) holds both to one another.
-#ifndef MOVE_BASE_ABSTRACT_MOTION_PIECE_H
-#define MOVE_BASE_ABSTRACT_MOTION_PIECE_H
+#pragma once
 
 #include <cmath>
 
@@ -53,5 +52,3 @@ inline Velocity velocityOf(const Piece& piece, Nanoseconds now) {
 }
 
 }  // namespace move_base_abstract::motion
-
-#endif  // MOVE_BASE_ABSTRACT_MOTION_PIECE_H

@@ -1,6 +1,5 @@
 // Memory for Python's objects whose addresses follow from the order in which they are made. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_ARENAS_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_ARENAS_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -89,5 +88,3 @@ class Arenas {
 };
 
 }  // namespace move_base_abstract::native
-
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_ARENAS_H

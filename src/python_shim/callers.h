@@ -1,6 +1,5 @@
 // Which code calls: Python itself, or a library that works for the program. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_CALLERS_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_CALLERS_H
+#pragma once
 
 #include <cstddef>
 
@@ -24,5 +23,3 @@ const void* beyondWrappers(const void* caller);
 std::size_t placeOf(const void* address, char* path, std::size_t size);
 
 }  // namespace move_base_abstract::native
-
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_CALLERS_H

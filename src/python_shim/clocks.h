@@ -1,6 +1,5 @@
 // The clocks as libraries see them. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_CLOCKS_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_CLOCKS_H
+#pragma once
 
 #include "run.h"
 
@@ -17,5 +16,3 @@ Nanoseconds seenTime(clockid_t clock, Sees whose);
 void goOn(Nanoseconds duration, Sees whose);
 
 }  // namespace move_base_abstract::native
-
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_CLOCKS_H

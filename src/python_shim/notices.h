@@ -1,6 +1,5 @@
 // Notices of what cannot be followed. Python fetches them when a turn is over. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_NOTICES_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_NOTICES_H
+#pragma once
 
 namespace move_base_abstract::native {
 
@@ -25,5 +24,3 @@ enum class What {
 void notice(What what, const void* caller);
 
 }  // namespace move_base_abstract::native
-
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_NOTICES_H

@@ -1,6 +1,5 @@
 // A table from numbers that are not 0, such as addresses, to values. No ROS, and no C++ library.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_NUMBER_TABLE_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_NUMBER_TABLE_H
+#pragma once
 
 #include <stdlib.h>
 
@@ -105,5 +104,3 @@ class NumberTable {
 };
 
 }  // namespace move_base_abstract::native
-
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_NUMBER_TABLE_H

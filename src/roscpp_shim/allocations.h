@@ -1,6 +1,5 @@
 // Whether the addresses of the program's memory are the same in each run.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ALLOCATIONS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ALLOCATIONS_H
+#pragma once
 
 #include <string>
 
@@ -14,5 +13,3 @@ std::string whyAddressesDiffer();
 bool areAddressesMixed();
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_ALLOCATIONS_H

@@ -1,6 +1,5 @@
 // The wall clocks, as the program sees them.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CLOCKS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CLOCKS_H
+#pragma once
 
 #include <time.h>
 
@@ -37,5 +36,3 @@ class MachineWait {
 };
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_CLOCKS_H

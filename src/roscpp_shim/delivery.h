@@ -1,6 +1,5 @@
 // Which messages a program wants at once, and which can be kept for later.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H
+#pragma once
 
 #include <ros/callback_queue.h>
 #include <ros/subscribe_options.h>
@@ -39,5 +38,3 @@ void storeNoMore();
 void store();
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_DELIVERY_H

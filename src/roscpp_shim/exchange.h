@@ -1,6 +1,5 @@
 // Puts the mail of a grant into roscpp's publications, subscriptions and callback queues.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H
+#pragma once
 
 #include <ros/serialized_message.h>
 
@@ -25,5 +24,3 @@ void handle(const wire::Deliver& item);
 void handle(const wire::CallIn& item);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_EXCHANGE_H

@@ -1,7 +1,6 @@
 // Which clocks and random numbers the program sees: the machine's own, or those of the run. Labels
 // the run if the program sees the machine's all the same.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H
+#pragma once
 
 #include <dlfcn.h>
 
@@ -92,5 +91,3 @@ class WithoutTurns {
 void tellPassage(const char* call);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_FOLLOWED_H

@@ -1,7 +1,6 @@
 // What the launcher of unmodified programs has told this one. A program that is linked to this
 // library tells it itself, and starts again.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LAUNCHER_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LAUNCHER_H
+#pragma once
 
 namespace move_base_abstract::shim {
 
@@ -20,5 +19,3 @@ struct Told {
 const Told& told();
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LAUNCHER_H

@@ -1,6 +1,5 @@
 // The program as a participant: the state of all its threads, and input from outside of lockstep.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H
+#pragma once
 
 #include <ros/callback_queue.h>
 
@@ -132,5 +131,3 @@ bool isStarting();
 bool isManaged(const std::string& topic);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_NODE_H

@@ -1,7 +1,6 @@
 // ROS parameters that the thread with the turn sets or reads. A new value takes effect for other
 // nodes with its round; the program itself sees it at once.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H
+#pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
@@ -104,5 +103,3 @@ Parameters& parameters();
 void tellInVain(const std::string& what);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_PARAMETERS_H

@@ -1,6 +1,5 @@
 // rosbag's recorder: it only looks on, and the bags that it writes are noted, to be compared.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_RECORDER_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_RECORDER_H
+#pragma once
 
 namespace move_base_abstract::shim {
 
@@ -21,5 +20,3 @@ bool onlyRecords();
 void noteBag(const char* path, const char* how, const void* caller);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_RECORDER_H

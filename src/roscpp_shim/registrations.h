@@ -1,7 +1,6 @@
 // The nodes, topics and services of the ROS master, as participants see them: the same in each run,
 // in whichever order nodes registered.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REGISTRATIONS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REGISTRATIONS_H
+#pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
@@ -45,5 +44,3 @@ class Registrations {
 };
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_REGISTRATIONS_H

@@ -1,6 +1,5 @@
 // The program's topics as the time master knows them.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H
+#pragma once
 
 #include <ros/publisher_link.h>
 #include <ros/subscriber_link.h>
@@ -79,5 +78,3 @@ ros::SubscriptionPtr subscriptionTo(Topic& topic);
 bool isMemberLink(const ros::SubscriberLinkPtr& link);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TOPICS_H

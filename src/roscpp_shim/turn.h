@@ -1,7 +1,6 @@
 // Which thread runs: one of the program's own threads at a time has the turn, and hands it over
 // when it waits.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H
+#pragma once
 
 #include <pthread.h>
 
@@ -260,5 +259,3 @@ class Turn {
 Turn& turn();
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_TURN_H

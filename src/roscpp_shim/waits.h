@@ -1,6 +1,5 @@
 // How the program's threads wait, for anything.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H
+#pragma once
 
 #include <functional>
 
@@ -67,5 +66,3 @@ Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseco
                      const char* what, const Task* end_of = nullptr);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_WAITS_H

@@ -1,7 +1,6 @@
 // Notices nodes that listened to /clock and died, on the scaled clock, which does not wait for
 // them.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_LISTENERS_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_LISTENERS_H
+#pragma once
 
 #include <ros/master.h>
 #include <ros/network.h>
@@ -85,5 +84,3 @@ class ClockListeners {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_LISTENERS_H

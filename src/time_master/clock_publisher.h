@@ -1,6 +1,5 @@
 // Publishes the simulated time of the event-driven clock on /clock, at a limited rate.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H
+#pragma once
 
 #include <ros/publisher.h>
 
@@ -56,5 +55,3 @@ class ClockPublisher {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_PUBLISHER_H

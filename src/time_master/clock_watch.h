@@ -1,6 +1,5 @@
 // Notices other nodes that publish /clock, before and while the time master does.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_WATCH_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_WATCH_H
+#pragma once
 
 #include <ros/callback_queue.h>
 #include <ros/network.h>
@@ -139,5 +138,3 @@ class ClockWatch {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CLOCK_WATCH_H

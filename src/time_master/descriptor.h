@@ -1,6 +1,5 @@
 // A file descriptor that is closed with its owner. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H
+#pragma once
 
 #include <unistd.h>
 
@@ -31,5 +30,3 @@ class Descriptor {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_DESCRIPTOR_H

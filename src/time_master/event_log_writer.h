@@ -1,6 +1,5 @@
 // Writes the events of a run to a file, by which two runs can be compared. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_EVENT_LOG_WRITER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_EVENT_LOG_WRITER_H
+#pragma once
 
 #include <cstdint>
 #include <cstdio>
@@ -103,5 +102,3 @@ class EventLogWriter {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_EVENT_LOG_WRITER_H

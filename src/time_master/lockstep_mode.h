@@ -1,6 +1,5 @@
 // The event-driven clock as a mode of the time master: /clock, state, event log, bystanders.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H
+#pragma once
 
 #include <ros/publisher.h>
 
@@ -87,5 +86,3 @@ class LockstepMode : public TimeMode {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_MODE_H

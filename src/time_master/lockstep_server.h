@@ -1,6 +1,5 @@
 // The sockets of the event-driven clock: one thread around a LockstepSession. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -164,5 +163,3 @@ class LockstepServer {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_LOCKSTEP_SERVER_H

@@ -1,6 +1,5 @@
 // Ends the process if a call to a ROS master that has gone would block it for ever.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_MASTER_CALL_GUARD_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_MASTER_CALL_GUARD_H
+#pragma once
 
 #include <atomic>
 #include <condition_variable>
@@ -57,5 +56,3 @@ class MasterCallGuard {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_MASTER_CALL_GUARD_H

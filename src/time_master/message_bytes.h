@@ -1,6 +1,5 @@
 // Keeps the bytes of the messages between participants, for programs that compare two runs. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H
+#pragma once
 
 #include <cstdint>
 #include <cstdio>
@@ -35,5 +34,3 @@ class MessageBytes {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_MESSAGE_BYTES_H

@@ -1,7 +1,6 @@
 // Files that a run leaves for other programs. Each appears when it is whole, and replaces no other.
 // No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_NEW_FILE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_NEW_FILE_H
+#pragma once
 
 #include <unistd.h>
 
@@ -32,5 +31,3 @@ inline std::string writeNewFile(const std::string& what, const std::string& path
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_NEW_FILE_H

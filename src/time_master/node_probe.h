@@ -1,6 +1,5 @@
 // Requests to the XML-RPC server of a node, or of the ROS master, with a limit on the wait.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_NODE_PROBE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_NODE_PROBE_H
+#pragma once
 
 #include <netdb.h>
 #include <poll.h>
@@ -104,5 +103,3 @@ inline bool canConnect(const std::string& host, uint32_t port, std::chrono::mill
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_NODE_PROBE_H

@@ -1,6 +1,5 @@
 // Lets time stand at its first instant until the nodes that look on are there.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_ONLOOKER_WAIT_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_ONLOOKER_WAIT_H
+#pragma once
 
 #include <cstdint>
 #include <set>
@@ -41,5 +40,3 @@ class OnlookerWait {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_ONLOOKER_WAIT_H

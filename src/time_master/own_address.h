@@ -1,6 +1,5 @@
 // Makes this process listen only on the address that ROS announces.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_OWN_ADDRESS_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_OWN_ADDRESS_H
+#pragma once
 
 namespace move_base_abstract {
 
@@ -15,5 +14,3 @@ namespace move_base_abstract {
 void setDefaultAddress();
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_OWN_ADDRESS_H

@@ -1,7 +1,6 @@
 // ROS parameters: passes the changes of participants to the ROS master, and hears of all others
 // from it.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_KEEPER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_KEEPER_H
+#pragma once
 
 #include <functional>
 #include <map>
@@ -66,5 +65,3 @@ class ParameterKeeper {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_KEEPER_H

@@ -1,7 +1,6 @@
 // The values of parameters at the beginning of a run, so that a late report of the ROS master does
 // not count as a change from outside.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_AT_START_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_AT_START_H
+#pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
 
@@ -34,5 +33,3 @@ class ParametersAtStart {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_AT_START_H

@@ -1,7 +1,6 @@
 // The stream of bytes to and from one participant: its socket, and the memory that it shares. No
 // ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARTICIPANT_STREAM_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARTICIPANT_STREAM_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -68,5 +67,3 @@ class ParticipantStream {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARTICIPANT_STREAM_H

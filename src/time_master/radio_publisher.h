@@ -1,6 +1,5 @@
 // Publishes the states of the radio's links for onlookers, when they change.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_RADIO_PUBLISHER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_RADIO_PUBLISHER_H
+#pragma once
 
 #include <ros/publisher.h>
 
@@ -24,5 +23,3 @@ class RadioPublisher {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_RADIO_PUBLISHER_H

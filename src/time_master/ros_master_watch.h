@@ -1,6 +1,5 @@
 // Watches whether the ROS master lives, and which nodes use simulated time, in a thread of its own.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_ROS_MASTER_WATCH_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_ROS_MASTER_WATCH_H
+#pragma once
 
 #include <atomic>
 #include <condition_variable>
@@ -72,5 +71,3 @@ void setParameter(const std::string& key, const std::string& value);
 void deleteParameter(const std::string& key);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_ROS_MASTER_WATCH_H

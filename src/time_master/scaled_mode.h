@@ -1,6 +1,5 @@
 // The scaled clock: simulated time = factor x wall time, on /clock.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H
+#pragma once
 
 #include <ros/publisher.h>
 
@@ -39,5 +38,3 @@ class ScaledMode : public TimeMode {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_SCALED_MODE_H

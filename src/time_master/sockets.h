@@ -1,6 +1,5 @@
 // The sockets that participants connect to. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_SOCKETS_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_SOCKETS_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -40,5 +39,3 @@ pid_t processOf(const Descriptor& socket);
 void tuneConnection(const Descriptor& socket);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_SOCKETS_H

@@ -1,6 +1,5 @@
 // The interface of the time master's two modes, scaled and lockstep.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H
+#pragma once
 
 #include <move_base_abstract/TimeState.h>
 #include <ros/time.h>
@@ -78,5 +77,3 @@ class TimeMode {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_TIME_MODE_H

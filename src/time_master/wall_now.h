@@ -1,6 +1,5 @@
 // The machine's clocks: the monotonic one, and the one that people set.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H
+#pragma once
 
 #include <chrono>
 
@@ -21,5 +20,3 @@ inline Nanoseconds machineNow() {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_WALL_NOW_H

@@ -1,6 +1,5 @@
 // Reads a file of the kernel, such as in /proc, which may vanish meanwhile.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_WHOLE_FILE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_WHOLE_FILE_H
+#pragma once
 
 #include <fstream>
 #include <string>
@@ -17,5 +16,3 @@ inline std::string wholeFile(const std::string& path) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_WHOLE_FILE_H

@@ -1,6 +1,5 @@
 // What a node of the tests says on a topic.
-#ifndef MOVE_BASE_ABSTRACT_TEST_TELLER_H
-#define MOVE_BASE_ABSTRACT_TEST_TELLER_H
+#pragma once
 
 #include <ros/ros.h>
 #include <std_msgs/String.h>
@@ -26,5 +25,3 @@ class Teller {
   ros::NodeHandle node_;
   ros::Publisher publisher_;
 };
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_TELLER_H

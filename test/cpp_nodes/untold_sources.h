@@ -1,6 +1,5 @@
 // Calls that lockstep does not follow, each once.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
-#define MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H
+#pragma once
 
 #include <fcntl.h>
 #include <mqueue.h>
@@ -210,5 +209,3 @@ inline const std::map<std::string, std::function<int()>> all = {
     {"/sys", [] { return close(open("/sys/kernel", O_RDONLY)); }}};
 
 }  // namespace untold_sources
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNTOLD_SOURCES_H

@@ -1,6 +1,5 @@
 // Which rule of lockstep is broken: the sources with mutants ask it.
-#ifndef MOVE_BASE_ABSTRACT_TEST_MUTANTS_BROKEN_H
-#define MOVE_BASE_ABSTRACT_TEST_MUTANTS_BROKEN_H
+#pragma once
 
 #include <string_view>
 
@@ -19,5 +18,3 @@ struct Broken {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_MUTANTS_BROKEN_H

@@ -1,6 +1,5 @@
 // Participants of a session that a test plays by hand.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_CLIENT_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_CLIENT_H
+#pragma once
 
 #include <deque>
 #include <map>
@@ -202,5 +201,3 @@ inline wire::Subscribe subscribe(std::uint32_t topic, std::string_view name,
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_CLIENT_H

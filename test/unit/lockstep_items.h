@@ -1,6 +1,5 @@
 // Items of a grant as texts.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -69,5 +68,3 @@ std::string itemText(const wire::GrantItem& item, const Who& who = {}) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_ITEMS_H

@@ -1,6 +1,5 @@
 // What the time master has to do, written down a second time: slowly, with names and plain lists.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_MODEL_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_MODEL_H
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -395,5 +394,3 @@ class LockstepModel {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_MODEL_H

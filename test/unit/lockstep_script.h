@@ -1,6 +1,5 @@
 // Participants that do random things, but always the same ones after the same grants.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_SCRIPT_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_SCRIPT_H
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -211,5 +210,3 @@ class Script {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_SCRIPT_H

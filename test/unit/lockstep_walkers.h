@@ -1,6 +1,5 @@
 // Programs that go through windows as far as chance has them.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WALKERS_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WALKERS_H
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -172,5 +171,3 @@ struct Walkers : Stage {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WALKERS_H

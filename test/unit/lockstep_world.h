@@ -1,6 +1,5 @@
 // A session with scripted participants, whose bytes arrive in an order that the test chooses.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WORLD_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WORLD_H
+#pragma once
 
 #include <algorithm>
 #include <functional>
@@ -319,5 +318,3 @@ class AllChoices {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_WORLD_H

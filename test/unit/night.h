@@ -1,6 +1,5 @@
 // How many times something is done by day, and by night (as test/night.py says for Python).
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_NIGHT_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_NIGHT_H
+#pragma once
 
 #include <cstdlib>
 
@@ -14,5 +13,3 @@ inline int times(int day, int night) {
 }
 
 }  // namespace move_base_abstract
-
-#endif

@@ -1,6 +1,5 @@
 // A piece of a robot's motion, as robots tell it to the time master for the radio.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_RADIO_MOTION_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_RADIO_MOTION_H
+#pragma once
 
 #include <cstring>
 #include <string>
@@ -24,5 +23,3 @@ inline std::string piece(Nanoseconds begin, double x, double speed) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_RADIO_MOTION_H

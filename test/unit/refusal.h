@@ -1,6 +1,5 @@
 // What a call says that is refused.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_REFUSAL_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_REFUSAL_H
+#pragma once
 
 #include <stdexcept>
 #include <string>
@@ -19,5 +18,3 @@ std::string refusal(Call call) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_REFUSAL_H

@@ -1,6 +1,5 @@
 // Plays random commands at random instants to a TimeMaster and to its model, and compares them.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_ADVERSARY_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_ADVERSARY_H
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -125,5 +124,3 @@ class Adversary {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_ADVERSARY_H

@@ -1,6 +1,5 @@
 // The time master's rules once more, for tests, in the plainest way: one wall nanosecond at a time.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_MODEL_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_MODEL_H
+#pragma once
 
 #include <algorithm>
 #include <cmath>
@@ -86,5 +85,3 @@ class Model {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_TIME_MASTER_MODEL_H

@@ -1,6 +1,5 @@
 // Chaos: another legal order of equal events, and delays, as a seed says. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_CHAOS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_CHAOS_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -65,5 +64,3 @@ class Delays : public Carrier {
 };
 
 }  // namespace move_base_abstract::chaos
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_CHAOS_H

@@ -1,6 +1,5 @@
 // The decisions by which a seed departs from the stated order, each with a name. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DECISIONS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DECISIONS_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -73,5 +72,3 @@ class Decisions {
 };
 
 }  // namespace move_base_abstract::chaos
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DECISIONS_H

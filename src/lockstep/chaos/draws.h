@@ -1,6 +1,5 @@
 // Random numbers that follow from a key, and are the same on every computer. No ROS, no state.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DRAWS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DRAWS_H
+#pragma once
 
 #include <cstdint>
 #include <initializer_list>
@@ -36,5 +35,3 @@ constexpr std::uint64_t hashOf(std::string_view text) {
 }
 
 }  // namespace move_base_abstract::chaos
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_CHAOS_DRAWS_H

@@ -1,7 +1,6 @@
 // Random numbers that follow from a key alone: they are the same on every computer, in whichever
 // order they are drawn.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H
+#pragma once
 
 #include <cstdint>
 #include <string_view>
@@ -60,5 +59,3 @@ inline std::int64_t between(std::uint64_t bits, std::int64_t low, std::int64_t h
 }
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_DRAWS_H

@@ -1,6 +1,5 @@
 // The hosts of a radio: the nodes on each host, the hosts' places, and how they reach each other.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_HOSTS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_HOSTS_H
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -72,5 +71,3 @@ class Hosts {
 };
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_HOSTS_H

@@ -1,6 +1,5 @@
 // Finds when links come up and go down, to the nanosecond, whether anything is sent or not.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H
+#pragma once
 
 #include <map>
 #include <set>
@@ -67,5 +66,3 @@ class LinkWatch {
 };
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LINK_WATCH_H

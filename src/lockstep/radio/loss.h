@@ -1,6 +1,5 @@
 // The probability that a message is lost on its way.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LOSS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LOSS_H
+#pragma once
 
 #include <utility>
 #include <variant>
@@ -51,5 +50,3 @@ double decimalLogarithm(double value);
 double normalBelow(double value);
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_LOSS_H

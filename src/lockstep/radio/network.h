@@ -1,7 +1,6 @@
 // The description of a network: hosts, links, and the topics and services that are not on the
 // radio.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_NETWORK_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_NETWORK_H
+#pragma once
 
 #include <cstdint>
 #include <limits>
@@ -73,5 +72,3 @@ struct Network {
 Network networkOf(const std::vector<std::string>& lines);
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_NETWORK_H

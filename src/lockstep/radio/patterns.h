@@ -1,6 +1,5 @@
 // Patterns for the names of nodes and hosts, with `*` and `**`.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_PATTERNS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_PATTERNS_H
+#pragma once
 
 #include <optional>
 #include <string>
@@ -19,5 +18,3 @@ std::optional<std::string> matched(std::string_view pattern, std::string_view na
 std::string filled(std::string_view pattern, std::string_view text);
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_PATTERNS_H

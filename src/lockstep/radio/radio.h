@@ -1,7 +1,6 @@
 // The radio between hosts, which decides whether a message arrives, and when. No ROS, no clock of
 // its own.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_RADIO_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_RADIO_H
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -103,5 +102,3 @@ class Radio {
 };
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_RADIO_H

@@ -1,6 +1,5 @@
 // The walls of a map, and the number of walls between two places.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_WALLS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_WALLS_H
+#pragma once
 
 #include <cstdint>
 #include <vector>
@@ -46,5 +45,3 @@ class Walls {
 };
 
 }  // namespace move_base_abstract::radio
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_RADIO_WALLS_H

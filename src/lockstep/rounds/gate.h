@@ -1,6 +1,5 @@
 // Controls a run from outside: pause, step, run until, speed limit, end.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H
+#pragma once
 
 #include <optional>
 
@@ -75,5 +74,3 @@ class RoundGate {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_GATE_H

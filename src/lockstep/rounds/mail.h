@@ -1,6 +1,5 @@
 // The mail that is kept for a member until its next grant. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MAIL_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MAIL_H
+#pragma once
 
 #include <cstddef>
 #include <functional>
@@ -66,5 +65,3 @@ class RoundMail {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MAIL_H

@@ -1,6 +1,5 @@
 // The members of the rounds: the state of each, the next wake-up, and their order.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MEMBERS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MEMBERS_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -183,5 +182,3 @@ class RoundMembers {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_MEMBERS_H

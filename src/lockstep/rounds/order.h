@@ -1,6 +1,5 @@
 // The stated order of participants, and of their actions in one round.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -46,5 +45,3 @@ class NamePlaces {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ORDER_H

@@ -1,6 +1,5 @@
 // The present of a run: its instant and the number of rounds so far.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUND_CLOCK_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUND_CLOCK_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -41,5 +40,3 @@ struct OutsideArrivals {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUND_CLOCK_H

@@ -1,7 +1,6 @@
 // Rounds of the event-driven clock: the members that are granted, when, and with which mail. No
 // ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -184,5 +183,3 @@ class LockstepRounds {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_ROUNDS_H

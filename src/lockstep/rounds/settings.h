@@ -1,6 +1,5 @@
 // The settings of a run of the event-driven clock.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -67,5 +66,3 @@ FactorUnits checkedLimit(double factor);
 Nanoseconds toNanoseconds(double seconds);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_SETTINGS_H

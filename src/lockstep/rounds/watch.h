@@ -1,6 +1,5 @@
 // Finds silent members: a granted member whose report takes long in wall time.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WATCH_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WATCH_H
+#pragma once
 
 #include <vector>
 
@@ -33,5 +32,3 @@ class RoundWatch {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WATCH_H

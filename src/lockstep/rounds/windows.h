@@ -4,8 +4,7 @@
 // which any member may still act, so nothing that happens from there on reaches a member before
 // begin + lookahead. All members whose next turn comes before that are granted at once. See
 // docs/lockstep_windows.md.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H
+#pragma once
 
 #include <algorithm>
 #include <string>
@@ -88,5 +87,3 @@ class RoundWindows {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUNDS_WINDOWS_H

@@ -1,7 +1,6 @@
 // Carriers, which decide how long a message is under way, and whether it arrives. No ROS, no
 // sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -61,5 +60,3 @@ class Carrier {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_CARRIER_H

@@ -1,6 +1,5 @@
 // Goals of actions that were sent to a participant and are not answered yet. No ROS, no time.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H
+#pragma once
 
 #include <cstddef>
 #include <map>
@@ -49,5 +48,3 @@ class OpenGoals {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_GOALS_H

@@ -1,6 +1,5 @@
 // Mail under way, which arrives at a later instant. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_HELD_MAIL_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_HELD_MAIL_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -97,5 +96,3 @@ class Carriage {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_HELD_MAIL_H

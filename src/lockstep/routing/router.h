@@ -1,7 +1,6 @@
 // Routes messages and calls between participants, by the names of topics and services. No ROS, no
 // sockets, no time.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -272,5 +271,3 @@ class MessageRouter {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_H

@@ -1,6 +1,5 @@
 // Code that the parts of the router share.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -34,5 +33,3 @@ inline Keep keepFor(wire::Delivery what, bool is_stored) {
 }
 
 }  // namespace move_base_abstract::router
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_ROUTER_PARTS_H

@@ -1,6 +1,5 @@
 // Topics of which the user says that nodes only store their messages.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H
+#pragma once
 
 #include <set>
 #include <string>
@@ -33,5 +32,3 @@ class StoredTopics {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_ROUTING_STORED_TOPICS_H

@@ -1,6 +1,5 @@
 // Checks whether a text is UTF-8.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H
+#pragma once
 
 #include <string_view>
 
@@ -10,5 +9,3 @@ namespace move_base_abstract {
 bool isUtf8(std::string_view text);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_UTF8_H

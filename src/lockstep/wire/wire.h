@@ -1,6 +1,5 @@
 // The frames between the time master and its participants, as bytes. No ROS, no sockets.
-#ifndef MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H
-#define MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -69,5 +68,3 @@ class FrameBuffer {
 };
 
 }  // namespace move_base_abstract::wire
-
-#endif  // MOVE_BASE_ABSTRACT_LOCKSTEP_WIRE_WIRE_H

@@ -1,6 +1,5 @@
 // Files of random bytes (/dev/urandom, /dev/random), as the program sees them.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H
+#pragma once
 
 namespace move_base_abstract::shim {
 
@@ -9,5 +8,3 @@ namespace move_base_abstract::shim {
 int openEntropy(const char* path, int flags, const void* caller);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CHANCE_H

@@ -1,7 +1,6 @@
 // The cores that this process may use by itself. While it takes part, the time master may keep it
 // on one core.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H
+#pragma once
 
 #include <sched.h>
 
@@ -23,5 +22,3 @@ class OwnCores {
 };
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_LIBC_CORES_H

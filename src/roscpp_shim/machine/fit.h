@@ -1,6 +1,5 @@
 // Whether this library fits the program that it is preloaded into. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -32,5 +31,3 @@ std::string fitting();
 std::string versionOf(const std::string& path, const std::string& package);
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_FIT_H

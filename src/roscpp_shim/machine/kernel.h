@@ -1,6 +1,5 @@
 // What the kernel knows about this process.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H
+#pragma once
 
 #include <string>
 
@@ -23,5 +22,3 @@ char stateOf(const std::string& tid);
 bool waitsForReader();
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_KERNEL_H

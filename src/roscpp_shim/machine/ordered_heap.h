@@ -1,7 +1,6 @@
 // A heap whose addresses follow only from the order of the calls and the sizes of the blocks.
 // No ROS, and no libc heap below it.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H
+#pragma once
 
 #include <array>
 #include <atomic>
@@ -95,5 +94,3 @@ class OrderedHeap {
 };
 
 }  // namespace move_base_abstract::shim
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_ORDERED_HEAP_H

@@ -1,7 +1,6 @@
 // Makes a node that has lost its run, or its name, end with an error, whatever its main function
 // returns.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_FAILURE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_FAILURE_H
+#pragma once
 
 #include <string>
 
@@ -28,5 +27,3 @@ void watchForNamesake();
 bool isReplaced();
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_FAILURE_H

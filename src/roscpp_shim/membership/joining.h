@@ -1,6 +1,5 @@
 // Finds the run and presents this node to it, as ROS parameters say.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_JOINING_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_JOINING_H
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -46,5 +45,3 @@ bool connectToTimeMaster(const std::string& name, Link* link);
 std::string helloOf(const Presence& presence);
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_JOINING_H

@@ -1,7 +1,6 @@
 // A participant's socket to the time master, and the bell by which a thread of roscpp wakes the
 // thread that reads from it.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_LINK_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_LINK_H
+#pragma once
 
 #include <poll.h>
 
@@ -112,5 +111,3 @@ class Link {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_LINK_H

@@ -1,7 +1,6 @@
 // A roscpp node's membership in a run: its connection to the time master, its reports and its
 // grants. The program itself is behind an interface.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_MEMBERSHIP_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_MEMBERSHIP_H
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -256,5 +255,3 @@ class Membership {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_MEMBERSHIP_H

@@ -1,7 +1,6 @@
 // Delays of reports and of first turns, in wall time. `verify` uses them to show that they do not
 // matter.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_REPORT_DELAY_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_REPORT_DELAY_H
+#pragma once
 
 #include <cstdint>
 #include <random>
@@ -34,5 +33,3 @@ class ReportDelay {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_REPORT_DELAY_H

@@ -1,6 +1,5 @@
 // Lets a participant whose work on one grant takes long say what it is doing.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_SILENCE_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_SILENCE_H
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -33,5 +32,3 @@ class SilenceWatch {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_SILENCE_H

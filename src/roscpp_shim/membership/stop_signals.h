@@ -1,7 +1,6 @@
 // Notices SIGINT and SIGTERM in addition to the program's handlers, and tells the time master at
 // once.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_STOP_SIGNALS_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_STOP_SIGNALS_H
+#pragma once
 
 #include <cstdint>
 
@@ -39,5 +38,3 @@ class Sending {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_STOP_SIGNALS_H

@@ -1,6 +1,5 @@
 // Describes what a thread of this process is doing, for a user who wonders why it takes so long.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H
+#pragma once
 
 #include <string>
 
@@ -25,5 +24,3 @@ std::string describeThread(int id);
 std::string describeBriefly(int id);
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_THREAD_STACK_H

@@ -1,6 +1,5 @@
 // A window of simulated time, through which a participant goes by itself.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_WINDOW_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_WINDOW_H
+#pragma once
 
 #include <deque>
 #include <string>
@@ -51,5 +50,3 @@ class Window {
 };
 
 }  // namespace move_base_abstract::lockstep::internal
-
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MEMBERSHIP_WINDOW_H

@@ -1,6 +1,5 @@
 // The core of this computer that a run has for itself. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CLAIMED_CORE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CLAIMED_CORE_H
+#pragma once
 
 #include <sched.h>
 
@@ -45,5 +44,3 @@ class ClaimedCore {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CLAIMED_CORE_H

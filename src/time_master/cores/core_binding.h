@@ -1,7 +1,6 @@
 // Binds the processes of a run to one core of this computer, and gives them their cores back. No
 // ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_BINDING_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_BINDING_H
+#pragma once
 
 #include <sched.h>
 #include <sys/types.h>
@@ -73,5 +72,3 @@ class CoreBinding {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_BINDING_H

@@ -1,6 +1,5 @@
 // Keeps a run on one core: binds its processes, and says when that makes it slow. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -63,5 +62,3 @@ class CoreKeeper {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CORES_CORE_KEEPER_H

@@ -1,6 +1,5 @@
 // The time master's parameters of chaos, and the file of the decisions. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H
+#pragma once
 
 #include <stdexcept>
 #include <string>
@@ -51,5 +50,3 @@ std::string chaosHead(const LockstepSettings& settings);
 std::string writeDecisions(const std::string& path, const std::vector<chaos::Decision>& decisions);
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_CHAOS_PARAMETERS_H

@@ -1,6 +1,5 @@
 // Reads single parameters of the time master node, and checks their types.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_READER_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_READER_H
+#pragma once
 
 #include <ros/ros.h>
 
@@ -186,5 +185,3 @@ class ParameterReader {
 };
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_READER_H

@@ -1,6 +1,5 @@
 // The table of the time master's parameters. The node and the documentation page both use it.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H
+#pragma once
 
 #include <algorithm>
 #include <cstdio>
@@ -164,5 +163,3 @@ inline void checkRange(const std::string& name, double value) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETER_TABLE_H

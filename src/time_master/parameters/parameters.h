@@ -1,6 +1,5 @@
 // Reads and checks the time master node's private parameters.
-#ifndef MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H
-#define MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H
+#pragma once
 
 #include <ros/ros.h>
 
@@ -206,5 +205,3 @@ inline NodeParameters readParameters(const ros::NodeHandle& node) {
 }
 
 }  // namespace move_base_abstract
-
-#endif  // MOVE_BASE_ABSTRACT_TIME_MASTER_PARAMETERS_H
