@@ -30,23 +30,8 @@ int open(const char* path, int flags, ...) {
   return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
 }
 
-int open64(const char* path, int flags, ...) {
-  static policy::Real<int(const char*, int, ...)> function("open64");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const policy::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags, mode));
-}
-
 int openat(int folder, const char* path, int flags, ...) {
   static policy::Real<int(int, const char*, int, ...)> function("openat");
-  MOVE_BASE_ABSTRACT_MODE(flags);
-  const char* const whole = move_base_abstract::shim::ofNoFolder(folder, path);
-  const policy::Opening opening(whole, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(folder, path, flags, mode));
-}
-
-int openat64(int folder, const char* path, int flags, ...) {
-  static policy::Real<int(int, const char*, int, ...)> function("openat64");
   MOVE_BASE_ABSTRACT_MODE(flags);
   const char* const whole = move_base_abstract::shim::ofNoFolder(folder, path);
   const policy::Opening opening(whole, flags, MOVE_BASE_ABSTRACT_CALLER);
@@ -59,23 +44,15 @@ int __open_2(const char* path, int flags) {
   return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
 }
 
-int __open64_2(const char* path, int flags) {
-  static policy::Real<int(const char*, int)> function("__open64_2");
-  const policy::Opening opening(path, flags, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? opening.file() : opening.noted(function(path, flags));
-}
-
 FILE* fopen(const char* path, const char* how) {
   static policy::Real<FILE*(const char*, const char*)> function("fopen");
   const policy::Opening opening(path, how, MOVE_BASE_ABSTRACT_CALLER);
   return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
 }
 
-FILE* fopen64(const char* path, const char* how) {
-  static policy::Real<FILE*(const char*, const char*)> function("fopen64");
-  const policy::Opening opening(path, how, MOVE_BASE_ABSTRACT_CALLER);
-  return opening.isDone() ? ::fdopen(opening.file(), "r") : opening.noted(function(path, how));
-}
+// Files of more than 32 bits are the usual ones here.
+asm(".globl open64, openat64, __open64_2, fopen64\n"
+    ".set open64, open\n.set openat64, openat\n.set __open64_2, __open_2\n.set fopen64, fopen");
 
 }  // extern "C"
 #pragma GCC visibility pop

@@ -100,6 +100,5 @@ void seedGenerators() {
 
 }  // namespace move_base_abstract::native
 
-namespace policy = move_base_abstract::native;
 #include "libc/chance.h"
 #include "libc/files.h"

@@ -111,5 +111,4 @@ void goOn(Nanoseconds duration, Sees whose) {
 
 }  // namespace move_base_abstract::native
 
-namespace policy = move_base_abstract::native;
 #include "libc/clocks.h"

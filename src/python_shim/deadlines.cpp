@@ -52,9 +52,6 @@ class Deadline {
 }  // namespace
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

@@ -42,8 +42,6 @@ void notice(What what, const void* caller) {
 
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

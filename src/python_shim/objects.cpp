@@ -314,8 +314,6 @@ void begin(Object* sample) {
 }  // namespace
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

@@ -1,6 +1,5 @@
 // The functions that this library stands in front of. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_REAL_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_REAL_H
+#pragma once
 
 #include <dlfcn.h>
 #include <string.h>
@@ -25,4 +24,5 @@ using Real = shim::LookedUp<Function, findReal>;
 
 }  // namespace move_base_abstract::native
 
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_REAL_H
+namespace shim = move_base_abstract::shim;
+namespace policy = move_base_abstract::native;  // for the headers of libc/

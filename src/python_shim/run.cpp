@@ -50,8 +50,6 @@ const char* seedText() { return seed_text == nullptr ? "" : seed_text; }
 
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

@@ -1,6 +1,5 @@
 // The state of the run, which this library shares with Python. No ROS.
-#ifndef MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
-#define MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -64,4 +63,4 @@ void seedGenerators();
 
 }  // namespace move_base_abstract::native
 
-#endif  // MOVE_BASE_ABSTRACT_PYTHON_SHIM_RUN_H
+namespace native = move_base_abstract::native;

@@ -51,10 +51,7 @@ int sleepFor(const timespec& request, timespec* rest, const void* caller) {
 }  // namespace
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-namespace policy = native;
 #include "libc/sleeps.h"
-namespace shim = move_base_abstract::shim;
 using move_base_abstract::Nanoseconds;
 
 #pragma GCC visibility push(default)

@@ -35,9 +35,6 @@ class Start {
 }  // namespace
 }  // namespace move_base_abstract::native
 
-namespace native = move_base_abstract::native;
-namespace policy = native;
-namespace shim = move_base_abstract::shim;
 #include "libc/unfollowed_calls.h"
 
 #pragma GCC visibility push(default)

@@ -221,8 +221,6 @@ bool areAddressesMixed() { return heap.isFull() || heap.isMixed(); }
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

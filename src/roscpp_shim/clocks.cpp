@@ -106,8 +106,6 @@ void MachineWait::timedOut() const {
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-namespace policy = shim;
 #include "libc/clocks.h"
 
 namespace {
@@ -128,12 +126,12 @@ Time readFor(const void* caller, Time (*now)()) {
 namespace ros {
 
 WallTime WallTime::now() {
-  static auto* const function = shim::real(&WallTime::now, "_ZN3ros8WallTime3nowEv");
+  static auto* const function = shim::real(&WallTime::now, "ros::WallTime::now");
   return readFor(MOVE_BASE_ABSTRACT_CALLER, function);
 }
 
 SteadyTime SteadyTime::now() {
-  static auto* const function = shim::real(&SteadyTime::now, "_ZN3ros10SteadyTime3nowEv");
+  static auto* const function = shim::real(&SteadyTime::now, "ros::SteadyTime::now");
   return readFor(MOVE_BASE_ABSTRACT_CALLER, function);
 }
 

@@ -168,8 +168,8 @@ void storeNoMore() {
 }
 
 void store() {
-  static auto* const function = real<void(ros::CallbackQueue*, ros::WallDuration)>(
-      "_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  static auto* const function =
+      real<void(ros::CallbackQueue*, ros::WallDuration)>("ros::CallbackQueue::callAvailable");
   if (calls_back) {
     return;
   }

@@ -222,7 +222,7 @@ bool Node::waitsOn() {
 }
 
 void Node::setTime(Nanoseconds now) {
-  static auto* const set_now = real<void(const ros::Time&)>("_ZN3ros4Time6setNowERKS0_");
+  static auto* const set_now = real<void(const ros::Time&)>("ros::Time::setNow");
   set_now(ros::Time().fromNSec(static_cast<std::uint64_t>(now)));
 }
 

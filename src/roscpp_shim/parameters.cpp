@@ -256,15 +256,12 @@ void tellInVain(const std::string& what) {
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 namespace ros::param {
 
 /** Without roscpp's cache: the ROS master's notices of changes come by the wall clock. */
 ROSCPP_DECL bool getImpl(const std::string& key, XmlRpc::XmlRpcValue& value, bool use_cache) {
-  static auto* const function = shim::real<bool(const std::string&, XmlRpc::XmlRpcValue&, bool)>(
-      "_ZN3ros5param7getImplERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERN6XmlRpc11"
-      "XmlRpcValueEb");
+  static auto* const function =
+      shim::real<bool(const std::string&, XmlRpc::XmlRpcValue&, bool)>("ros::param::getImpl");
   return function(key, value, use_cache && !shim::takesPart());
 }
 

@@ -182,15 +182,13 @@ void handle(const wire::CallIn& item) {
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
 namespace wire = move_base_abstract::wire;
 
 namespace ros {
 
 bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
   static auto* const function =
-      shim::real(&ServiceManager::advertiseService,
-                 "_ZN3ros14ServiceManager16advertiseServiceERKNS_23AdvertiseServiceOptionsE");
+      shim::real(&ServiceManager::advertiseService, "ros::ServiceManager::advertiseService");
   const bool is_app = shim::turn().enter();
   const shim::Beside beside;
   const bool is_done = function(this, options);
@@ -209,10 +207,8 @@ bool ServiceManager::advertiseService(const AdvertiseServiceOptions& options) {
 }
 
 bool ServiceManager::unadvertiseService(const std::string& name) {
-  static auto* const function = shim::real(
-      &ServiceManager::unadvertiseService,
-      "_ZN3ros14ServiceManager18unadvertiseServiceERKNSt7__cxx1112basic_stringIcSt11char_"
-      "traitsIcESaIcEEE");
+  static auto* const function =
+      shim::real(&ServiceManager::unadvertiseService, "ros::ServiceManager::unadvertiseService");
   if (shim::turn().enter()) {
     auto& offered = shim::services().offered;
     for (auto at = offered.begin(); at != offered.end();) {
@@ -229,10 +225,9 @@ bool ServiceManager::unadvertiseService(const std::string& name) {
 
 bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& response,
                          const std::string& md5) {
-  static auto* const function = shim::real<bool(ServiceClient*, const SerializedMessage&,
-                                                SerializedMessage&, const std::string&)>(
-      "_ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11"
-      "char_traitsIcESaIcEEE");
+  static auto* const function =
+      shim::real<bool(ServiceClient*, const SerializedMessage&, SerializedMessage&,
+                      const std::string&)>("ros::ServiceClient::call");
   if (!shim::turn().enter()) {
     return function(this, request, response, md5);
   }
@@ -259,8 +254,8 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
 }
 
 bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage& response) {
-  static auto* const function = shim::real(
-      &ServiceServerLink::call, "_ZN3ros17ServiceServerLink4callERKNS_17SerializedMessageERS1_");
+  static auto* const function =
+      shim::real(&ServiceServerLink::call, "ros::ServiceServerLink::call");
   const shim::Blocking blocking;  // the answer comes through roscpp's own thread
   return function(this, request, response);
 }
@@ -268,8 +263,7 @@ bool ServiceServerLink::call(const SerializedMessage& request, SerializedMessage
 namespace service {
 
 bool exists(const std::string& name, bool print_failure_reason) {
-  static auto* const function = shim::real(
-      &exists, "_ZN3ros7service6existsERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEb");
+  static auto* const function = shim::real(&exists, "ros::service::exists");
   if (shim::turn().enter()) {
     const std::string service = names::resolve(name);
     if (shim::isOffered(service)) {
@@ -284,9 +278,8 @@ bool exists(const std::string& name, bool print_failure_reason) {
 }
 
 bool waitForService(const std::string& name, Duration timeout) {
-  static auto* const function = shim::real<bool(const std::string&, Duration)>(
-      "_ZN3ros7service14waitForServiceERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEENS_8"
-      "DurationE");
+  static auto* const function =
+      shim::real<bool(const std::string&, Duration)>("ros::service::waitForService");
   if (!shim::turn().enter()) {
     return function(name, timeout);
   }

@@ -135,11 +135,8 @@ ros::SubscriptionPtr subscriptionTo(Topic& topic) {
 }
 
 HandleMessage* handleMessage() {
-  static auto* const function = real(
-      &ros::Subscription::handleMessage,
-      "_ZN3ros12Subscription13handleMessageERKNS_17SerializedMessageEbbRKN5boost10shared_"
-      "ptrISt3mapINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEESC_St4lessISC_ESaISt4pairIKSC"
-      "_SC_EEEEERKNS5_INS_13PublisherLinkEEE");
+  static auto* const function =
+      real(&ros::Subscription::handleMessage, "ros::Subscription::handleMessage");
   return function;
 }
 

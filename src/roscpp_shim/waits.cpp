@@ -241,21 +241,19 @@ Woken awaitCondition(const void* object, std::function<bool()> is_over, Nanoseco
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 namespace ros {
 
 // ---- time ------------------------------------------------------------------------------------
 
 void Time::setNow(const Time& now) {
-  static auto* const function = shim::real(&Time::setNow, "_ZN3ros4Time6setNowERKS0_");
+  static auto* const function = shim::real(&Time::setNow, "ros::Time::setNow");
   if (!shim::takesPart()) {  // otherwise grants set the time
     function(now);
   }
 }
 
 Time Time::now() {
-  static auto* const function = shim::real(&Time::now, "_ZN3ros4Time3nowEv");
+  static auto* const function = shim::real(&Time::now, "ros::Time::now");
   if (shim::turn().holds()) {
     shim::Turn::self()->has_acted = true;
     shim::countClockRead();
@@ -264,7 +262,7 @@ Time Time::now() {
 }
 
 bool Duration::sleep() const {
-  static auto* const function = shim::real(&Duration::sleep, "_ZNK3ros8Duration5sleepEv");
+  static auto* const function = shim::real(&Duration::sleep, "ros::Duration::sleep");
   if (!shim::turn().enter()) {
     return function(this);
   }
@@ -272,7 +270,7 @@ bool Duration::sleep() const {
 }
 
 bool Time::sleepUntil(const Time& end) {
-  static auto* const function = shim::real(&Time::sleepUntil, "_ZN3ros4Time10sleepUntilERKS0_");
+  static auto* const function = shim::real(&Time::sleepUntil, "ros::Time::sleepUntil");
   if (!shim::turn().enter()) {
     return function(end);
   }
@@ -282,8 +280,8 @@ bool Time::sleepUntil(const Time& end) {
 // ---- callback queues -------------------------------------------------------------------------
 
 void CallbackQueue::callAvailable(WallDuration timeout) {
-  static auto* const function = shim::real<void(CallbackQueue*, WallDuration)>(
-      "_ZN3ros13CallbackQueue13callAvailableENS_12WallDurationE");
+  static auto* const function =
+      shim::real<void(CallbackQueue*, WallDuration)>("ros::CallbackQueue::callAvailable");
   if (shim::isInternalQueue(this) || !shim::turn().enter()) {
     function(this, timeout);
     return;
@@ -304,8 +302,8 @@ void CallbackQueue::callAvailable(WallDuration timeout) {
 }
 
 CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
-  static auto* const function = shim::real<CallOneResult(CallbackQueue*, WallDuration)>(
-      "_ZN3ros13CallbackQueue7callOneENS_12WallDurationE");
+  static auto* const function =
+      shim::real<CallOneResult(CallbackQueue*, WallDuration)>("ros::CallbackQueue::callOne");
   if (shim::isInternalQueue(this) || !shim::turn().enter()) {
     return function(this, timeout);
   }
@@ -325,9 +323,8 @@ CallbackQueue::CallOneResult CallbackQueue::callOne(WallDuration timeout) {
 }
 
 void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t owner) {
-  static auto* const function = shim::real(
-      &CallbackQueue::addCallback,
-      "_ZN3ros13CallbackQueue11addCallbackERKN5boost10shared_ptrINS_17CallbackInterfaceEEEm");
+  static auto* const function =
+      shim::real(&CallbackQueue::addCallback, "ros::CallbackQueue::addCallback");
   const bool is_outside = shim::takesPart() && shim::Turn::self() == nullptr;
   if (!is_outside || shim::isInternalQueue(this)) {
     function(this, callback, owner);
@@ -344,7 +341,7 @@ void CallbackQueue::addCallback(const CallbackInterfacePtr& callback, uint64_t o
 
 void CallbackQueue::removeByID(uint64_t owner) {
   static auto* const function =
-      shim::real(&CallbackQueue::removeByID, "_ZN3ros13CallbackQueue10removeByIDEm");
+      shim::real(&CallbackQueue::removeByID, "ros::CallbackQueue::removeByID");
   if (shim::takesPart()) {
     shim::node().removeOutside(this, owner);
   }
@@ -354,8 +351,8 @@ void CallbackQueue::removeByID(uint64_t owner) {
 // ---- spinners --------------------------------------------------------------------------------
 
 void SingleThreadedSpinner::spin(CallbackQueue* queue) {
-  static auto* const function = shim::real(
-      &SingleThreadedSpinner::spin, "_ZN3ros21SingleThreadedSpinner4spinEPNS_13CallbackQueueE");
+  static auto* const function =
+      shim::real(&SingleThreadedSpinner::spin, "ros::SingleThreadedSpinner::spin");
   const shim::InSpinner spinner;
   function(this, queue);
 }
@@ -367,15 +364,14 @@ class ROSCPP_DECL AsyncSpinnerImpl {
 };
 
 void AsyncSpinnerImpl::stop() {
-  static auto* const function =
-      shim::real(&AsyncSpinnerImpl::stop, "_ZN3ros16AsyncSpinnerImpl4stopEv");
+  static auto* const function = shim::real(&AsyncSpinnerImpl::stop, "ros::AsyncSpinnerImpl::stop");
   ++shim::spinner_stops;  // seen when this thread waits for the others to end
   function(this);
 }
 
 void AsyncSpinnerImpl::threadFunc() {
   static auto* const function =
-      shim::real(&AsyncSpinnerImpl::threadFunc, "_ZN3ros16AsyncSpinnerImpl10threadFuncEv");
+      shim::real(&AsyncSpinnerImpl::threadFunc, "ros::AsyncSpinnerImpl::threadFunc");
   const shim::InSpinner spinner;
   function(this);
 }

@@ -90,6 +90,8 @@ def test_each_function_that_libraries_of_python_programs_are_kept_from_has_its_r
     sources = [*sorted((ROOT / 'src' / 'python_shim').glob('*.cpp')), *sorted((ROOT / 'src' / 'libc').glob('*.h'))]
     code = ''.join(path.read_text(encoding='utf-8') for path in sources)
     for _name, symbol in names:
+        if '64' in symbol and f'.set {symbol}, ' in code:
+            continue
         behind = 'nanosleep' if symbol in ('sleep', 'usleep') else symbol
         assert re.search(r'\b{}\('.format(symbol), code) and '("{}")'.format(behind) in re.sub(r'\s+', '', code), symbol
     told = {name for name, kind in native_kinds().items() if kind == 'labelled'}

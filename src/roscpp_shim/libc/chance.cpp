@@ -113,8 +113,6 @@ void tellNumber(const char* name, const void* caller) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-namespace policy = shim;
 #include "libc/chance.h"
 
 #pragma GCC visibility push(default)

@@ -62,8 +62,6 @@ OwnCores::~OwnCores() {
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

@@ -177,7 +177,6 @@ Nanoseconds of(const timeval* timeout) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
 using shim::DescriptorWait;
 
 namespace move_base_abstract::shim {

@@ -177,8 +177,6 @@ int asked(int result, const char* path, Stat* found, const void* caller) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-namespace policy = shim;
 #include "libc/files.h"
 
 #pragma GCC visibility push(default)

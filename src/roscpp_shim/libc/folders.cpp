@@ -80,8 +80,6 @@ std::size_t* placeIn(DIR* folder) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

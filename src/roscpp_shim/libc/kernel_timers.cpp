@@ -152,8 +152,6 @@ bool isAboutToFollow() { return sees() == Sees::kRun && !turn().isActive() && !t
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

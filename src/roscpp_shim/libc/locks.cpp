@@ -156,8 +156,6 @@ int takeSemaphore(sem_t* semaphore, clockid_t clock, const timespec* deadline,
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 
@@ -307,7 +305,6 @@ int pthread_spin_unlock(pthread_spinlock_t* lock) {
 namespace std {
 
 namespace {
-namespace shim = move_base_abstract::shim;
 
 using FutexWait = bool(__atomic_futex_unsigned_base*, unsigned*, unsigned, bool, chrono::seconds,
                        chrono::nanoseconds);
@@ -341,10 +338,8 @@ bool awaitFutex(__atomic_futex_unsigned_base* self, unsigned* word, unsigned val
 bool __atomic_futex_unsigned_base::_M_futex_wait_until(unsigned* word, unsigned value, bool has_end,
                                                        chrono::seconds seconds,
                                                        chrono::nanoseconds rest) {
-  static auto* const function = shim::real(
-      &__atomic_futex_unsigned_base::_M_futex_wait_until,
-      "_ZNSt28__atomic_futex_unsigned_base19_M_futex_wait_untilEPjjbNSt6chrono8durationIlSt5"
-      "ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE");
+  static auto* const function =
+      shim::real(&__atomic_futex_unsigned_base::_M_futex_wait_until, "std::future::get");
   return awaitFutex(this, word, value, has_end, CLOCK_REALTIME, seconds, rest, function);
 }
 
@@ -353,17 +348,14 @@ bool __atomic_futex_unsigned_base::_M_futex_wait_until_steady(unsigned* word, un
                                                               bool has_end, chrono::seconds seconds,
                                                               chrono::nanoseconds rest) {
   static auto* const function = shim::real(
-      &__atomic_futex_unsigned_base::_M_futex_wait_until_steady,
-      "_ZNSt28__atomic_futex_unsigned_base26_M_futex_wait_until_steadyEPjjbNSt6chrono8durationIlSt5"
-      "ratioILl1ELl1EEEENS2_IlS3_ILl1ELl1000000000EEEE");
+      &__atomic_futex_unsigned_base::_M_futex_wait_until_steady, "std::future::wait_for");
   return awaitFutex(this, word, value, has_end, CLOCK_MONOTONIC, seconds, rest, function);
 }
 #endif
 
 void __atomic_futex_unsigned_base::_M_futex_notify_all(unsigned* word) {
   static auto* const function =
-      shim::real(&__atomic_futex_unsigned_base::_M_futex_notify_all,
-                 "_ZNSt28__atomic_futex_unsigned_base19_M_futex_notify_allEPj");
+      shim::real(&__atomic_futex_unsigned_base::_M_futex_notify_all, "std::promise::set_value");
   shim::turn().signal(word, true);
   function(word);
 }

@@ -97,8 +97,6 @@ void tellMapped(int flags, int file, const void* caller) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-namespace policy = shim;
 #include "libc/unfollowed_calls.h"
 
 #pragma GCC visibility push(default)
@@ -134,12 +132,7 @@ void* mmap(void* address, size_t length, int protection, int flags, int file, of
   shim::tellMapped(flags, file, MOVE_BASE_ABSTRACT_CALLER);
   return function(address, length, protection, flags, file, offset);
 }
-
-void* mmap64(void* address, size_t length, int protection, int flags, int file, off64_t offset) {
-  static auto* const function = shim::real(&::mmap64, "mmap64");
-  shim::tellMapped(flags, file, MOVE_BASE_ABSTRACT_CALLER);
-  return function(address, length, protection, flags, file, offset);
-}
+asm(".globl mmap64\n.set mmap64, mmap");  // an offset is the same here
 
 // ---- queues of several processes -------------------------------------------------------------
 

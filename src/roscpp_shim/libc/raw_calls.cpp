@@ -129,8 +129,6 @@ std::optional<long> followedCall(long number, const long* words) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

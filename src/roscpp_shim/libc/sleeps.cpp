@@ -103,8 +103,6 @@ int sleepFor(const timespec& request, timespec* rest, const void* /*caller*/) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-namespace policy = shim;
 #include "libc/sleeps.h"
 
 #pragma GCC visibility push(default)

@@ -136,8 +136,6 @@ void* runTask(void* task) { return turn().run(static_cast<Task*>(task)); }
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 extern "C" {
 

@@ -3,9 +3,11 @@
 #include <dlfcn.h>
 #include <link.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -41,16 +43,20 @@ void* findReal(const char* symbol) {
   return found == nullptr ? findLoaded(symbol) : found;
 }
 
-void* realOrAbort(const char* symbol) {
-  bool is_listed = false;
-  for (const Replaced& one : kReplaced) {
-    is_listed = is_listed || std::strcmp(one.symbol, symbol) == 0;
-  }
-  void* const found = is_listed ? findReal(symbol) : nullptr;
+void* realOrAbort(const char* name) {
+  const std::size_t length = std::strlen(name);
+  const auto* const row =
+      std::find_if(std::begin(kReplaced), std::end(kReplaced), [&](const Replaced& one) {
+        const bool begins = std::strncmp(one.name, name, length) == 0;
+        return (begins && (one.name[length] == '(' || one.name[length] == '\0')) ||
+               std::strcmp(one.symbol, name) == 0;
+      });
+  const bool is_listed = row != std::end(kReplaced);
+  void* const found = is_listed ? findReal(row->symbol) : nullptr;
   if (found == nullptr) {
     std::fprintf(stderr, "lockstep: %s %s\n",
                  is_listed ? "this program's libraries have no" : "replaced.def does not list",
-                 symbol);
+                 is_listed ? row->symbol : name);
     std::abort();
   }
   return found;

@@ -1,6 +1,5 @@
 // The real functions that this library replaces: those of roscpp, librostime and libc.
-#ifndef MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
-#define MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
+#pragma once
 
 #include "libc/looked_up.h"
 
@@ -26,32 +25,34 @@ constexpr Replaced kReplaced[] = {
  */
 void* findReal(const char* symbol);
 
-/** @return the same. Ends the process if there is none or replaced.def does not list the symbol. */
-void* realOrAbort(const char* symbol);
+/**
+ * @return the same, of a row of replaced.def. Ends the process if there is none, or no such row.
+ * @param name of the row, without its arguments if it is the only one then; or its symbol.
+ */
+void* realOrAbort(const char* name);
 
-/** @param symbol as the linker knows it and replaced.def lists it. */
 template <typename Function>
-Function* real(const char* symbol) {
-  return reinterpret_cast<Function*>(realOrAbort(symbol));
+Function* real(const char* name) {
+  return reinterpret_cast<Function*>(realOrAbort(name));
 }
 
 // The same, of the type of the function that replaces it. A member gets its object first.
 
 template <typename Result, typename... Arguments>
-auto* real(Result (* /*replacing*/)(Arguments...), const char* symbol) {
-  return real<Result(Arguments...)>(symbol);
+auto* real(Result (* /*replacing*/)(Arguments...), const char* name) {
+  return real<Result(Arguments...)>(name);
 }
 template <typename Result, typename... Arguments>
-auto* real(Result (* /*replacing*/)(Arguments..., ...), const char* symbol) {
-  return real<Result(Arguments..., ...)>(symbol);
+auto* real(Result (* /*replacing*/)(Arguments..., ...), const char* name) {
+  return real<Result(Arguments..., ...)>(name);
 }
 template <typename Result, typename Class, typename... Arguments>
-auto* real(Result (Class::* /*replacing*/)(Arguments...), const char* symbol) {
-  return real<Result(Class*, Arguments...)>(symbol);
+auto* real(Result (Class::* /*replacing*/)(Arguments...), const char* name) {
+  return real<Result(Class*, Arguments...)>(name);
 }
 template <typename Result, typename Class, typename... Arguments>
-auto* real(Result (Class::* /*replacing*/)(Arguments...) const, const char* symbol) {
-  return real<Result(const Class*, Arguments...)>(symbol);
+auto* real(Result (Class::* /*replacing*/)(Arguments...) const, const char* name) {
+  return real<Result(const Class*, Arguments...)>(name);
 }
 
 /** @brief The same, looked up when it is first called. */
@@ -60,4 +61,7 @@ using Real = LookedUp<Function, realOrAbort>;
 
 }  // namespace move_base_abstract::shim
 
-#endif  // MOVE_BASE_ABSTRACT_ROSCPP_SHIM_MACHINE_REAL_H
+// Names for what stands outside of the namespace: functions of ROS and libc, and the headers of
+// libc/, which ask this library for its policy.
+namespace shim = move_base_abstract::shim;
+namespace policy = shim;

@@ -12,8 +12,6 @@
 #include "roscpp_shim/recorder.h"
 #include "roscpp_shim/turn.h"
 
-namespace shim = move_base_abstract::shim;
-
 namespace {
 
 constexpr std::size_t kLongest = 1000;  // bytes of a text
@@ -49,10 +47,8 @@ namespace ros::console {
 
 ROSCONSOLE_DECL void initializeLogLocation(LogLocation* location, const std::string& name,
                                            Level level) {
-  static auto* const function = shim::real(
-      &initializeLogLocation,
-      "_ZN3ros7console21initializeLogLocationEPNS0_11LogLocationERKNSt7__cxx1112basic_stringIcSt11"
-      "char_traitsIcESaIcEEENS0_6levels5LevelE");
+  static auto* const function =
+      shim::real(&initializeLogLocation, "ros::console::initializeLogLocation");
   const shim::Beside beside;
   function(location, name, level);
 }
@@ -61,8 +57,7 @@ namespace impl {
 
 ROSCONSOLE_DECL void print(void* handle, Level level, const char* text, const char* file,
                            const char* caller, int line) {
-  static auto* const function =
-      shim::real(&print, "_ZN3ros7console4impl5printEPvNS0_6levels5LevelEPKcS6_S6_i");
+  static auto* const function = shim::real(&print, "ros::console::impl::print");
   const shim::Beside beside;
   note(level, text);
   function(handle, level, text, file, caller, line);

@@ -19,8 +19,6 @@
 #include "roscpp_shim/turn.h"
 #include "roscpp_shim/waits.h"
 
-namespace shim = move_base_abstract::shim;
-
 namespace {
 
 /** @brief Marks a call during which time stands still. The thread keeps the turn, so that no other
@@ -123,10 +121,7 @@ namespace ros::master {
 
 bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
              XmlRpc::XmlRpcValue& response, XmlRpc::XmlRpcValue& payload, bool wait_for_master) {
-  static auto* const function = shim::real(
-      &execute,
-      "_ZN3ros6master7executeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN6XmlRpc11"
-      "XmlRpcValueERSA_SD_b");
+  static auto* const function = shim::real(&execute, "ros::master::execute");
   const bool is_question =
       std::find(kQuestions.begin(), kQuestions.end(), method) != kQuestions.end();
   if ((!is_question && !shim::Parameters::isAbout(method)) || !isOfProgram()) {
@@ -161,8 +156,7 @@ bool execute(const std::string& method, const XmlRpc::XmlRpcValue& request,
 namespace XmlRpc {
 
 bool XmlRpcClient::execute(const char* method, const XmlRpcValue& parameters, XmlRpcValue& result) {
-  static auto* const function = shim::real(
-      &XmlRpcClient::execute, "_ZN6XmlRpc12XmlRpcClient7executeEPKcRKNS_11XmlRpcValueERS3_");
+  static auto* const function = shim::real(&XmlRpcClient::execute, "XmlRpc::XmlRpcClient::execute");
   const Standing standing;
   return function(this, method, parameters, result);
 }

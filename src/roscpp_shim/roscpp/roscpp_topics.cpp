@@ -21,7 +21,6 @@
 #include "roscpp_shim/turn.h"
 #include "roscpp_shim/waits.h"
 
-namespace shim = move_base_abstract::shim;
 namespace wire = move_base_abstract::wire;
 
 namespace {
@@ -42,9 +41,7 @@ namespace ros {
 bool TopicManager::advertise(const AdvertiseOptions& options,
                              const SubscriberCallbacksPtr& callbacks) {
   static auto* const function =
-      shim::real(&TopicManager::advertise,
-                 "_ZN3ros12TopicManager9advertiseERKNS_16AdvertiseOptionsERKN5boost10shared_ptrINS_"
-                 "19SubscriberCallbacksEEE");
+      shim::real(&TopicManager::advertise, "ros::TopicManager::advertise");
   const bool is_app = shim::turn().enter() && shim::isManaged(options.topic);
   const shim::Inside inside;
   const bool is_done = function(this, options, callbacks);
@@ -60,10 +57,8 @@ bool TopicManager::advertise(const AdvertiseOptions& options,
 }
 
 bool TopicManager::unadvertise(const std::string& name, const SubscriberCallbacksPtr& callbacks) {
-  static auto* const function = shim::real(
-      &TopicManager::unadvertise,
-      "_ZN3ros12TopicManager11unadvertiseERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN"
-      "5boost10shared_ptrINS_19SubscriberCallbacksEEE");
+  static auto* const function =
+      shim::real(&TopicManager::unadvertise, "ros::TopicManager::unadvertise");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   const bool is_done = function(this, name, callbacks);
   if (is_app && !lookupPublication(name)) {
@@ -82,8 +77,7 @@ void TopicManager::publish(const std::string& name,
   static auto* const function =
       shim::real<void(TopicManager*, const std::string&,
                       const boost::function<SerializedMessage(void)>&, SerializedMessage&)>(
-          "_ZN3ros12TopicManager7publishERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN5"
-          "boost8functionIFNS_17SerializedMessageEvEEERSB_");
+          "ros::TopicManager::publish");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   {
     const Publishing publishing(is_app);  // roscpp's thread need not be woken
@@ -106,7 +100,7 @@ void TopicManager::publish(const std::string& name,
 }
 
 void PollSet::signal() {
-  static auto* const function = shim::real(&PollSet::signal, "_ZN3ros7PollSet6signalEv");
+  static auto* const function = shim::real(&PollSet::signal, "ros::PollSet::signal");
   if (!Publishing::is_under_way) {
     function(this);
   }
@@ -122,8 +116,8 @@ void TopicManager::processPublishQueues() {
 }
 
 bool TopicManager::subscribe(const SubscribeOptions& options) {
-  static auto* const function = shim::real(
-      &TopicManager::subscribe, "_ZN3ros12TopicManager9subscribeERKNS_16SubscribeOptionsE");
+  static auto* const function =
+      shim::real(&TopicManager::subscribe, "ros::TopicManager::subscribe");
   if (shim::isStarting() && options.topic == names::resolve("/clock")) {
     return true;  // roscpp's own: grants set the time, and a message may be ahead of them
   }
@@ -142,10 +136,8 @@ bool TopicManager::subscribe(const SubscribeOptions& options) {
 
 bool TopicManager::unsubscribe(const std::string& name,
                                const SubscriptionCallbackHelperPtr& helper) {
-  static auto* const function = shim::real(
-      &TopicManager::unsubscribe,
-      "_ZN3ros12TopicManager11unsubscribeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKN"
-      "5boost10shared_ptrINS_26SubscriptionCallbackHelperEEE");
+  static auto* const function =
+      shim::real(&TopicManager::unsubscribe, "ros::TopicManager::unsubscribe");
   const bool is_app = shim::turn().enter() && shim::isManaged(name);
   const bool is_done = function(this, name, helper);
   if (is_app && !shim::subscriptionTo(name)) {
@@ -161,9 +153,7 @@ bool TopicManager::unsubscribe(const std::string& name,
 
 size_t TopicManager::getNumSubscribers(const std::string& name) {
   static auto* const function =
-      shim::real(&TopicManager::getNumSubscribers,
-                 "_ZN3ros12TopicManager17getNumSubscribersERKNSt7__cxx1112basic_stringIcSt11char_"
-                 "traitsIcESaIcEEE");
+      shim::real(&TopicManager::getNumSubscribers, "ros::TopicManager::getNumSubscribers");
   if (shim::turn().enter() && shim::isManaged(name)) {
     return shim::topics().of(name).receivers.size();  // onlookers do not count
   }
@@ -196,9 +186,8 @@ uint32_t Subscription::handleMessage(const SerializedMessage& message, bool seri
 }
 
 void Subscription::addLocalConnection(const PublicationPtr& publication) {
-  static auto* const function = shim::real(
-      &Subscription::addLocalConnection,
-      "_ZN3ros12Subscription18addLocalConnectionERKN5boost10shared_ptrINS_11PublicationEEE");
+  static auto* const function =
+      shim::real(&Subscription::addLocalConnection, "ros::Subscription::addLocalConnection");
   if (!shim::isManaged(name_)) {
     function(this, publication);
   }
@@ -206,17 +195,14 @@ void Subscription::addLocalConnection(const PublicationPtr& publication) {
 
 bool Subscription::negotiateConnection(const std::string& uri) {
   static auto* const function =
-      shim::real(&Subscription::negotiateConnection,
-                 "_ZN3ros12Subscription19negotiateConnectionERKNSt7__cxx1112basic_stringIcSt11char_"
-                 "traitsIcESaIcEEE");
+      shim::real(&Subscription::negotiateConnection, "ros::Subscription::negotiateConnection");
   return (shim::isManaged(name_) && shim::node().membership().isMemberAt(uri)) ||
          function(this, uri);
 }
 
 void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
-  static auto* const function = shim::real(
-      &Publication::addSubscriberLink,
-      "_ZN3ros11Publication17addSubscriberLinkERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  static auto* const function =
+      shim::real(&Publication::addSubscriberLink, "ros::Publication::addSubscriberLink");
   const bool is_ours = shim::isMemberLink(link);
   if (!is_ours && shim::isManaged(name_) &&
       shim::node().membership().isMember(link->getDestinationCallerID())) {
@@ -229,26 +215,23 @@ void Publication::addSubscriberLink(const SubscriberLinkPtr& link) {
 
 void Publication::peerConnect(const SubscriberLinkPtr& link) {
   static auto* const function =
-      shim::real(&Publication::peerConnect,
-                 "_ZN3ros11Publication11peerConnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+      shim::real(&Publication::peerConnect, "ros::Publication::peerConnect");
   if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
     function(this, link);
   }
 }
 
 void Publication::peerDisconnect(const SubscriberLinkPtr& link) {
-  static auto* const function = shim::real(
-      &Publication::peerDisconnect,
-      "_ZN3ros11Publication14peerDisconnectERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  static auto* const function =
+      shim::real(&Publication::peerDisconnect, "ros::Publication::peerDisconnect");
   if (shim::isMemberLink(link) || !shim::isManaged(name_)) {
     function(this, link);
   }
 }
 
 void Publication::removeSubscriberLink(const SubscriberLinkPtr& link) {
-  static auto* const function = shim::real(
-      &Publication::removeSubscriberLink,
-      "_ZN3ros11Publication20removeSubscriberLinkERKN5boost10shared_ptrINS_14SubscriberLinkEEE");
+  static auto* const function =
+      shim::real(&Publication::removeSubscriberLink, "ros::Publication::removeSubscriberLink");
   function(this, link);
   const std::lock_guard<shim::PlainMutex> lock(shim::topics().silent_mutex);
   auto& silent = shim::topics().silent;
@@ -265,10 +248,7 @@ constexpr unsigned kMessages = 100;
 
 void waitForMessageImpl(SubscribeOptions& options, const boost::function<bool(void)>& is_ready,
                         NodeHandle& node, Duration timeout) {
-  static auto* const function = shim::real(
-      &waitForMessageImpl,
-      "_ZN3ros5topic18waitForMessageImplERNS_16SubscribeOptionsERKN5boost8functionIFbvEEERNS_"
-      "10NodeHandleENS_8DurationE");
+  static auto* const function = shim::real(&waitForMessageImpl, "ros::topic::waitForMessageImpl");
   if (shim::turn().holds()) {  // a message that is stored is there at once, again and again
     shim::countRepeated(&shim::Turn::self()->messages, kMessages, 0, "waitForMessage()");
   }

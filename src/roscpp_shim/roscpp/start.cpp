@@ -63,49 +63,45 @@ void startRos(void (*start)()) {
 
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 namespace ros {
 
 // The texts that ROS keeps of names, ports and process numbers have other lengths in other runs.
 
 void init(int& count, char** arguments, const std::string& name, uint32_t options) {
   static auto* const function = shim::real<void(int&, char**, const std::string&, uint32_t)>(
-      "_ZN3ros4initERiPPcRKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEj");
+      "ros::init(int&, char**, string const&, unsigned)");
   const shim::Beside beside;
   function(count, arguments, name, options);
 }
 
 void init(const M_string& remappings, const std::string& name, uint32_t options) {
   static auto* const function = shim::real<void(const M_string&, const std::string&, uint32_t)>(
-      "_ZN3ros4initERKSt3mapINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES6_St4lessIS6_"
-      "ESaISt4pairIKS6_S6_EEERSA_j");
+      "ros::init(map<string, string> const&, string const&, unsigned)");
   const shim::Beside beside;
   function(remappings, name, options);
 }
 
 void init(const VP_string& remappings, const std::string& name, uint32_t options) {
   static auto* const function = shim::real<void(const VP_string&, const std::string&, uint32_t)>(
-      "_ZN3ros4initERKSt6vectorISt4pairINSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEES7_E"
-      "SaIS8_EERKS7_j");
+      "ros::init(vector<pair<string, string>> const&, string const&, unsigned)");
   const shim::Beside beside;
   function(remappings, name, options);
 }
 
 void start() {
-  static auto* const function = shim::real(&start, "_ZN3ros5startEv");
+  static auto* const function = shim::real(&start, "ros::start");
   shim::startRos(function);
 }
 
 void shutdown() {
-  static auto* const function = shim::real(&shutdown, "_ZN3ros8shutdownEv");
+  static auto* const function = shim::real(&shutdown, "ros::shutdown");
   shim::node().leave("ROS shuts down");
   const shim::Inside inside;
   function();
 }
 
 void waitForShutdown() {
-  static auto* const function = shim::real(&waitForShutdown, "_ZN3ros15waitForShutdownEv");
+  static auto* const function = shim::real(&waitForShutdown, "ros::waitForShutdown");
   if (shim::turn().enter()) {
     shim::turn().wait(shim::Wait());
   }

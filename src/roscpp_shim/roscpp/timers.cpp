@@ -120,8 +120,6 @@ void startTimer(void (*start)(Impl*), Impl* timer, TimerKind kind) {
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 // Members of a class template can be replaced only one by one.
 #define MOVE_BASE_ABSTRACT_SERVE(Instant)                                          \
   shim::serve<Instant>(                                                            \
@@ -138,7 +136,7 @@ namespace ros {
 template <>
 __attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEvent>::threadFunc() {
   static auto* const function = shim::real<void(TimerManager*)>(
-      "_ZN3ros12TimerManagerINS_4TimeENS_8DurationENS_10TimerEventEE10threadFuncEv");
+      "ros::TimerManager<ros::Time, ros::Duration, ros::TimerEvent>::threadFunc");
   if (!shim::takesPart()) {
     function(this);
     return;
@@ -149,10 +147,9 @@ __attribute__((visibility("default"))) void TimerManager<Time, Duration, TimerEv
 template <>
 __attribute__((visibility("default"))) void
 TimerManager<SteadyTime, WallDuration, SteadyTimerEvent>::threadFunc() {
-  static auto* const function =
-      shim::real(&TimerManager::threadFunc,
-                 "_ZN3ros12TimerManagerINS_10SteadyTimeENS_12WallDurationENS_16SteadyTimerEventEE"
-                 "10threadFuncEv");
+  static auto* const function = shim::real(
+      &TimerManager::threadFunc,
+      "ros::TimerManager<ros::SteadyTime, ros::WallDuration, ros::SteadyTimerEvent>::threadFunc");
   if (!shim::takesPart() || this == getInternalTimerManager().get()) {
     function(this);
     return;
@@ -165,7 +162,7 @@ __attribute__((visibility("default"))) void
 TimerManager<WallTime, WallDuration, WallTimerEvent>::threadFunc() {
   static auto* const function = shim::real(
       &TimerManager::threadFunc,
-      "_ZN3ros12TimerManagerINS_8WallTimeENS_12WallDurationENS_14WallTimerEventEE10threadFuncEv");
+      "ros::TimerManager<ros::WallTime, ros::WallDuration, ros::WallTimerEvent>::threadFunc");
   if (!shim::takesPart()) {
     function(this);
     return;
@@ -174,19 +171,18 @@ TimerManager<WallTime, WallDuration, WallTimerEvent>::threadFunc() {
 }
 
 void Timer::Impl::start() {
-  static auto* const function = shim::real(&Timer::Impl::start, "_ZN3ros5Timer4Impl5startEv");
+  static auto* const function = shim::real(&Timer::Impl::start, "ros::Timer::Impl::start");
   shim::startTimer(function, this, shim::kRosTimers);
 }
 
 void WallTimer::Impl::start() {
-  static auto* const function =
-      shim::real(&WallTimer::Impl::start, "_ZN3ros9WallTimer4Impl5startEv");
+  static auto* const function = shim::real(&WallTimer::Impl::start, "ros::WallTimer::Impl::start");
   shim::startTimer(function, this, shim::kWallTimers);
 }
 
 void SteadyTimer::Impl::start() {
   static auto* const function =
-      shim::real(&SteadyTimer::Impl::start, "_ZN3ros11SteadyTimer4Impl5startEv");
+      shim::real(&SteadyTimer::Impl::start, "ros::SteadyTimer::Impl::start");
   shim::startTimer(function, this, shim::kSteadyTimers);
 }
 

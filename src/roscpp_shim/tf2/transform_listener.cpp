@@ -36,8 +36,6 @@ __attribute__((constructor)) void followListeners() { setStoringLoops(&isListene
 }  // namespace
 }  // namespace move_base_abstract::shim
 
-namespace shim = move_base_abstract::shim;
-
 #pragma GCC visibility push(default)
 
 namespace tf2 {
@@ -54,19 +52,16 @@ class BufferCore {
 };
 
 std::uint32_t BufferCore::addTransformableCallback(const TransformableCallback& callback) {
-  static auto* const function = shim::real(
-      &BufferCore::addTransformableCallback,
-      "_ZN3tf210BufferCore24addTransformableCallbackERKN5boost8functionIFvmRKNSt7__cxx1112basic_"
-      "stringIcSt11char_traitsIcESaIcEEESA_N3ros4TimeENS_19TransformableResultEEEE");
+  static auto* const function = shim::real(&BufferCore::addTransformableCallback,
+                                           "tf2::BufferCore::addTransformableCallback");
   shim::storeNoMore();
   return function(this, callback);
 }
 
 boost::signals2::connection BufferCore::_addTransformsChangedListener(
     boost::function<void(void)> callback) {
-  static auto* const function =
-      shim::real(&BufferCore::_addTransformsChangedListener,
-                 "_ZN3tf210BufferCore29_addTransformsChangedListenerEN5boost8functionIFvvEEE");
+  static auto* const function = shim::real(&BufferCore::_addTransformsChangedListener,
+                                           "tf2::BufferCore::_addTransformsChangedListener");
   shim::storeNoMore();
   return function(this, callback);
 }
