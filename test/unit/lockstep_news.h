@@ -1,6 +1,5 @@
 // Two participants that tell each other news and answers.
-#ifndef MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_NEWS_H
-#define MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_NEWS_H
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -43,5 +42,3 @@ struct Linked : Pair {
 };
 
 }  // namespace move_base_abstract::lockstep_news
-
-#endif  // MOVE_BASE_ABSTRACT_TEST_UNIT_LOCKSTEP_NEWS_H
