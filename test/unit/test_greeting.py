@@ -22,10 +22,16 @@ class Making:
         return lambda _seq: made
 
 
+def outlet_of(monkeypatch, make):
+    """Return a latched outlet without a node."""
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_args, **_kwds: SimpleNamespace(
+        impl=SimpleNamespace(latch=None, connections=[])))
+    return outlets.LatchedOutlet('/topic', None, make)
+
+
 def test_what_was_made_for_an_onlooker_does_not_take_the_place_of_what_a_participant_gets(monkeypatch):
-    monkeypatch.setattr(rospy, 'Publisher', lambda *_args, **_kwds: SimpleNamespace(impl=SimpleNamespace(latch=None)))
     making = Making()
-    outlet = outlets.LatchedOutlet('/topic', None, making)
+    outlet = outlet_of(monkeypatch, making)
     outlet._kept = (), None
     onlooker = threading.Thread(target=outlet.greet, args=(None,))
     onlooker.start()
@@ -38,3 +44,13 @@ def test_what_was_made_for_an_onlooker_does_not_take_the_place_of_what_a_partici
     onlooker.join()
     participant.join()
     assert outlet._impl.latch._pack(0) == 'after'
+
+
+def test_what_was_slept_through_does_not_take_the_place_of_anything_later(monkeypatch):
+    outlet = outlet_of(monkeypatch, lambda instant_ns: lambda _seq: instant_ns)
+    outlet.show(7)
+    for instant_ns, kept_ns in ((5, 7), (9, 9)):
+        with outlets.nobody_hears():
+            outlet.show(instant_ns)
+        outlet.greet(None)
+        assert outlet._impl.latch._pack(0) == kept_ns

@@ -232,17 +232,17 @@ class LatchedOutlet(Outlet):
         super().send(pack)
 
     def _keep(self, shown: Any, pack: Optional[Pack]) -> None:
-        if not playing.is_recording():
+        # The last value shown is its instant. What is made up for, because it was slept through, may be an older one.
+        is_old = _listeners.is_quiet and shown and self._kept[0] and shown[-1] < self._kept[0][-1]
+        if not (is_old or playing.is_recording()):
             self._kept = shown, pack
 
     def greet(self, _peer_publish: Optional[Publish]) -> None:
         """Make the latched message, which rospy is about to send to a new listener."""
         with self._greeting:  # so that an older message, made for an earlier listener, does not replace this one
             shown, pack = self._kept
-            if pack is not None:
-                self.latch(pack)
-            elif shown is not None:
-                self.latch(self._make(*shown))
+            if pack is not None or shown is not None:
+                self.latch(pack or self._make(*shown))
 
 
 class LatchedOutlets:
