@@ -4,6 +4,7 @@ They are children of this process. A node is forked if that has the same effect 
 single thread until all of them are started.
 """
 import contextlib
+import math
 import os
 import signal
 import time
@@ -27,7 +28,7 @@ from .failing import DECISIONS
 from .settings import DEPARTURE, Settings
 
 TEST = '/test'  # the name of the test's own node
-_OVER_S = 30.0  # wall; the time master may take so long to end a run that is over
+_OVER_S = 30.0  # wall; the time master may take so long to end a run that ends with its test
 _AGAIN_S = 0.5  # wall
 _BY_THEMSELVES_S, _AFTER_SIGNAL_S = 3.0, 1.0  # wall; how long processes may take when the run is over
 
@@ -98,9 +99,12 @@ class System:
             signal.signal(signal.SIGCHLD, before)
 
     def end(self) -> List[ends.End]:
-        """Wait until the time master has written the log, end all processes, and return how each of them ended."""
+        """Wait until the time master has written the log, end all processes, and return how each of them ended.
+
+        A run that ends by itself takes as long as it takes, within the test's ``wall_limit``.
+        """
         if not self._ends:
-            self._run.await_end(_OVER_S)
+            self._run.await_end(_OVER_S if self._settings.until == DEPARTURE else math.inf)
             self._ends = ends.judge(self._run.end(), ends.read_log(self.log))
         processes.end_all_children()
         return self._ends

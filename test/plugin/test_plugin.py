@@ -64,6 +64,7 @@ import pytest
 import rospy
 
 from move_base_abstract.properties import always, sometimes
+from move_base_abstract_testing import system
 
 two = pytest.mark.lockstep(scenario='two.yaml')
 
@@ -87,6 +88,14 @@ def test_goals_end_and_runs_are_identical(lockstep):
     assert [(one.robot, one.values[1]) for one in ends] == [('robot_0', 'SUCCEEDED'), ('robot_1', 'PREEMPTED')]
     assert ends[0].time == goal.ended_at and lockstep.log.labels == []
     lockstep.assert_identical()
+
+
+@pytest.mark.lockstep(scenario='two.yaml', until='idle', time_master={'speed_limit': 900.0})
+def test_a_run_that_ends_by_itself_is_waited_for(lockstep, monkeypatch):
+    monkeypatch.setattr(system, '_OVER_S', 0.0)  # how long one that ends with its test may take
+    lockstep.send_goal('robot_1', 900.0, 1.0)
+    lockstep.finish()
+    assert [one.values[1] for one in lockstep.log.of('ended')] == ['SUCCEEDED']
 
 
 @pytest.mark.lockstep(scenario='two.yaml', chaos_seeds=range(2))
@@ -227,7 +236,7 @@ def session(tmp_path_factory):
 def test_tests_that_are_right_pass(session):
     told, said, _ = session
     right = {name: problem for name, problem in told.items() if name not in FAILS}
-    assert len(right) == 6 and set(right.values()) == {''}, said
+    assert len(right) == 7 and set(right.values()) == {''}, said
 
 
 @pytest.mark.parametrize('name', FAILS)

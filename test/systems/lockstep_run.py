@@ -93,7 +93,7 @@ class LockstepCase(unittest.TestCase):
         environment = dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1')
         with open(self.path('time_master.out'), 'wb') as out:
             self.process = subprocess.Popen([find_executable('time_master'), '__name:=time_master'], stdout=out,
-                                            stderr=subprocess.STDOUT, env=environment)
+                                            stderr=subprocess.STDOUT, env=environment, cwd=self.folder)
 
     def address_now(self):
         return address_at(os.environ['ROS_MASTER_URI'])
