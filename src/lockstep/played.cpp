@@ -142,6 +142,7 @@ void Played::fill(char* bytes, const Series& series, Nanoseconds now) const {
     } else {
       const motion::Velocity velocity = motions_.at(series.play.sub).velocityAt(now);
       putNumber(place, velocity.forward);
+      putNumber(place + 8, velocity.lateral);
       putNumber(place + 40, velocity.turning);
     }
   }

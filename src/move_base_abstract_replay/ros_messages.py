@@ -59,7 +59,7 @@ def _poses(track: Any, rate: float, frame: str) -> Iterator[Any]:
     period_ns = max(1, round(NS_PER_S / rate))
     for end_ns, motion in track.driven:
         for time_ns in _instants(motion.depart_ns, end_ns, period_ns):
-            speeds = motion.velocity_at(time_ns) if time_ns < end_ns else (0.0, 0.0)
+            speeds = motion.velocity_at(time_ns) if time_ns < end_ns else (0.0, 0.0, 0.0)
             yield from _told_pose(track.name, time_ns, motion.pose_at(time_ns), speeds, frame)
 
 
@@ -70,7 +70,8 @@ def _told_pose(name: str, time_ns: int, pose: Any, speeds: Any, frame: str) -> I
     _fill(stamped.pose, pose)
     odometry = _stamped(Odometry(child_frame_id=child), time_ns, frame)
     _fill(odometry.pose.pose, pose)
-    odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = speeds
+    twist = odometry.twist.twist
+    twist.linear.x, twist.linear.y, twist.angular.z = speeds
     transform = _stamped(TransformStamped(child_frame_id=child), time_ns, frame)
     transform.transform.translation.x, transform.transform.translation.y = pose.x, pose.y
     _turn(transform.transform.rotation, pose.yaw)

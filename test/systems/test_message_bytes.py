@@ -84,7 +84,7 @@ class MessageBytesTest(unittest.TestCase):
         for draws in self.each():
             frame, child, pose = draws.text(), draws.text(), draws.pose()
             stamp_ns, seq = draws.stamp_ns(), draws.seq()
-            velocity = draws.number(), draws.number()
+            velocity = draws.number(), draws.number(), draws.number()
             made = packing.InFrame(frame, child)
             turned = conversions.to_pose_stamped(pose, frame, stamp_ns)
             turned.pose.position.z, turned.pose.orientation.x = 0.75, 0.01
@@ -97,7 +97,8 @@ class MessageBytesTest(unittest.TestCase):
             self.assertEqual(made.pose_with_covariance(seq, pose, stamp_ns), genpys(amcl_pose, seq))
             odometry = Odometry(header=conversions.to_header(frame, stamp_ns), child_frame_id=child)
             odometry.pose.pose = conversions.to_pose(pose)
-            odometry.twist.twist.linear.x, odometry.twist.twist.angular.z = velocity
+            twist = odometry.twist.twist
+            twist.linear.x, twist.linear.y, twist.angular.z = velocity
             self.assertEqual(made.odometry(seq, pose, velocity, stamp_ns), genpys(odometry, seq))
             transform = TransformStamped(header=conversions.to_header(frame, stamp_ns), child_frame_id=child)
             transform.transform.translation.x, transform.transform.translation.y = pose.x, pose.y

@@ -206,7 +206,7 @@ TEST(Played, PosesAndVelocitiesFollowFromTheMotion) {
     const std::string dots(8, '.');
     EXPECT_EQ(heard(stage, 2), bytesOf(1.0 + elapsed) + bytesOf(2.0) + dots + dots + dots +
                                    bytesOf(std::sin(half)) + bytesOf(std::cos(half)) +
-                                   bytesOf(1.0) + dots + dots + dots + dots + bytesOf(1.0));
+                                   bytesOf(1.0) + bytesOf(0.0) + dots + dots + dots + bytesOf(1.0));
     stage.report(2, kNever);
   }
 }

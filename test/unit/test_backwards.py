@@ -77,7 +77,7 @@ def test_a_robot_that_spins_is_at_its_goal_and_ends_as_it_would():
     found = plain.spinning(12.0, 0.25)
     assert (found.duration_ns - plain.duration_ns) / S == pytest.approx(12.0, abs=1e-6)
     assert found.end == plain.end
-    turns = [found.velocity_at(instant)[1] for instant in range(0, found.arrive_ns, S // 10)]
+    turns = [found.velocity_at(instant)[2] for instant in range(0, found.arrive_ns, S // 10)]
     assert sum(abs(turn - 0.25) < 1e-9 for turn in turns) == pytest.approx(60, abs=1)
     assert sum(abs(turn + 0.25) < 1e-9 for turn in turns) == pytest.approx(60, abs=1)
 

@@ -70,17 +70,17 @@ def test_a_paced_leg_has_the_same_poses_at_stretched_instants(leg, factor):
 def test_the_speed_of_a_paced_leg_is_that_of_its_poses():
     paced = PacedLeg(ROUTE, Pace(S, 1.6))
     for at in range(0, paced.duration_ns, paced.duration_ns // 37):
-        forward, turning = paced.velocity_at(paced.depart_ns + at)
+        forward, _, turning = paced.velocity_at(paced.depart_ns + at)
         one, other = (paced.pose_at(paced.depart_ns + at + step) for step in (0, 1000))
         if one.distance_to(other) * math.fabs(other.yaw - one.yaw) == 0.0:  # neither corners nor changes of part
             assert one.distance_to(other) / 1e-6 == pytest.approx(forward, abs=1e-2)
             assert (other.yaw - one.yaw) / 1e-6 == pytest.approx(turning, abs=1e-2)
-    assert paced.velocity_at(paced.depart_ns + S - 1) == paced.velocity_at(paced.arrive_ns) == (0.0, 0.0)
+    assert paced.velocity_at(paced.depart_ns + S - 1) == paced.velocity_at(paced.arrive_ns) == (0.0, 0.0, 0.0)
 
 
 def test_a_leg_without_length_takes_its_delay():
     paced = PacedLeg(Leg(Pose2D(), Pose2D(), MotionLimits(1.0), depart_ns=5), Pace(10, 3.0))
-    assert (paced.arrive_ns, paced.pose_at(5), paced.velocity_at(15)) == (15, Pose2D(), (0.0, 0.0))
+    assert (paced.arrive_ns, paced.pose_at(5), paced.velocity_at(15)) == (15, Pose2D(), (0.0, 0.0, 0.0))
 
 
 def test_until_its_delay_is_over_a_robot_that_turns_in_no_time_has_not_turned():

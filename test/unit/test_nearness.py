@@ -14,8 +14,10 @@ from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.leg import Leg, MotionLimits, Tolerances
 from move_base_abstract.motion.pace import Pace, PacedLeg
 from move_base_abstract.motion.phased_route import PhasedRoute
+from move_base_abstract.motion.pieces import pose_of, stand
 from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
 from move_base_abstract.motion.route import CornerLaw, Route
+from move_base_abstract.motion.told import ToldMotion
 
 MS = 1_000_000
 FASTEST = 4.0  # m/s, of the robots of this page: 2.0 by their limits, and a pace that doubles it
@@ -30,7 +32,9 @@ def make_leg(chance, side, depart_ns):
     corners = tuple((chance.uniform(0.0, side), chance.uniform(0.0, side)) for _ in range(chance.randrange(4)))
     limits = MotionLimits(chance.uniform(0.3, 2.0), chance.choice([math.inf, 0.4, 1.5]), chance.choice([math.inf, 1.0]))
     tolerances = chance.choice([Tolerances(), Tolerances(0.1, 0.2)])
-    kind = chance.choice(['leg', 'route', 'phased', 'lanes'])
+    kind = chance.choice(['leg', 'route', 'phased', 'lanes', 'arcs'])
+    if kind == 'arcs':
+        return arcs(chance, start, depart_ns)
     if kind == 'leg':
         leg = Leg(start, goal, limits, tolerances, depart_ns)
     elif kind == 'route':
@@ -43,6 +47,16 @@ def make_leg(chance, side, depart_ns):
     if chance.random() < 0.5:
         leg = PacedLeg(leg, Pace(chance.choice([0, 500 * MS, 7_123_456_789]), chance.uniform(0.5, 2.0)))
     return leg
+
+
+def arcs(chance, pose, begin_ns):
+    """Return a motion of a robot that is driven by velocities, from ``pose`` (Pose2D) on."""
+    pieces = []
+    for _ in range(chance.randrange(1, 6)):
+        pieces.append(stand(pose, begin_ns)._replace(v=chance.uniform(-2.0, 2.0), w=chance.uniform(-1.0, 1.0), k=-1.0))
+        begin_ns += chance.randrange(1, 20_000) * MS
+        pose = pose_of(pieces[-1], begin_ns)
+    return ToldMotion([*pieces, stand(pose, begin_ns)])
 
 
 def search(one, other, radius, now_ns):

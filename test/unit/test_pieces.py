@@ -1,7 +1,7 @@
 """Pieces of motion: the table of cases that holds the evaluators in Python, C++ and JavaScript to one another.
 
-A case is a motion: its pieces in order, and rows of [instant (ns), x, y, yaw, forward speed, turn rate] that hold then.
-Where ``exp`` takes no part, each bit counts. Its last bit may differ between machines. ``python3 THIS_FILE`` writes the
+A case is a motion: its pieces in order, and rows of [instant (ns), x, y, yaw, forward and lateral speed, turn rate]
+that hold then. Where ``exp`` takes no part, each bit counts. Its last bit may differ between machines. ``python3 THIS_FILE`` writes the
 cases of the laws of motion anew, if a law changes on purpose; the others were made by hand and by chance.
 """
 import json
@@ -46,7 +46,7 @@ LAWS = {
 
 
 def answers(pieces, now_ns):
-    """Return [now_ns, x, y, yaw, forward, turning] of the motion of ``pieces`` (Piece, ...) at ``now_ns`` [ns]."""
+    """Return [now_ns, x, y, yaw, forward, lateral, turning] of ``pieces`` (Piece, ...) at ``now_ns`` [ns]."""
     piece = pieces[bisect_right([one.begin_ns for one in pieces], now_ns) - 1]
     pose = pose_of(piece, now_ns)
     return [now_ns, pose.x, pose.y, pose.yaw, *velocity_of(piece, now_ns)]
@@ -56,7 +56,7 @@ def answers(pieces, now_ns):
 def test_the_evaluator_answers_as_the_table_says(case):
     pieces = [Piece(*numbers) for numbers in case['pieces']]
     found = [answers(pieces, row[0]) for row in case['asked']]
-    if any(piece.k for piece in pieces):
+    if any(piece.k > 0.0 for piece in pieces):
         assert found == [pytest.approx(row, rel=1e-13, abs=1e-13) for row in case['asked']]
     else:
         assert found == case['asked']
@@ -78,12 +78,17 @@ def test_each_law_gives_the_pieces_of_the_table_and_answers_by_them(law):
 
 def test_the_table_by_hand():
     up, down = Piece(5, 1.0, 2.0, 0.0, 0.6, 0.8, a=0.5), Piece(4_000_000_005, 3.4, 5.2, 0.0, 0.6, 0.8, v=2.0, a=-0.5)
-    assert answers([up, down], 2_000_000_005)[1:] == pytest.approx([1.6, 2.8, 0.0, 1.0, 0.0])
-    assert answers([up, down], 6_000_000_005)[1:] == pytest.approx([5.2, 7.6, 0.0, 1.0, 0.0])
+    assert answers([up, down], 2_000_000_005)[1:] == pytest.approx([1.6, 2.8, 0.0, 1.0, 0.0, 0.0])
+    assert answers([up, down], 6_000_000_005)[1:] == pytest.approx([5.2, 7.6, 0.0, 1.0, 0.0, 0.0])
     turn = Piece(0, 0.0, 0.0, 3.0, 1.0, 0.0, w=0.25)
-    assert answers([turn], 2_000_000_000)[1:] == pytest.approx([0.0, 0.0, 3.5 - 2.0 * math.pi, 0.0, 0.25])
+    assert answers([turn], 2_000_000_000)[1:] == pytest.approx([0.0, 0.0, 3.5 - 2.0 * math.pi, 0.0, 0.0, 0.25])
     brake = Piece(0, 0.0, 0.0, 0.0, 0.0, -1.0, v=-3.0, w=1.0, k=2.0)
-    assert answers([brake], 10 ** 18)[1:] == pytest.approx([0.0, 1.5, 0.5, 0.0, 0.0])
+    assert answers([brake], 10 ** 18)[1:] == pytest.approx([0.0, 1.5, 0.5, 0.0, 0.0, 0.0])
+    left = Piece(0, 1.0, 2.0, 0.0, 1.0, 0.0, v=2.0, w=0.5 * math.pi, k=-1.0)  # a quarter of a circle of 4 / pi m
+    assert answers([left], 1_000_000_000)[1:] == pytest.approx(
+        [1.0 + 4.0 / math.pi, 2.0 + 4.0 / math.pi, 0.5 * math.pi, 2.0, 0.0, 0.5 * math.pi])
+    aside = Piece(0, 0.0, 0.0, 0.5 * math.pi, -0.8, 0.6, v=0.5, w=math.pi, k=-1.0)  # forward 0.3, to the left 0.4 m/s
+    assert answers([aside], 2_000_000_000)[1:] == pytest.approx([0.0, 0.0, 0.5 * math.pi, 0.3, 0.4, math.pi])
 
 
 def a_case(law, leg):

@@ -22,7 +22,7 @@ def test_a_new_robot_stands_at_its_start():
     robot = make_robot(pose=Pose2D(1.0, 2.0, 3.0), since_ns=5 * S)
     assert robot.leg is None
     assert [robot.pose_at(t) for t in (5 * S, 9 * S)] == [Pose2D(1.0, 2.0, 3.0)] * 2
-    assert (robot.velocity_at(9 * S), robot.distance_at(9 * S)) == ((0.0, 0.0), 0.0)
+    assert (robot.velocity_at(9 * S), robot.distance_at(9 * S)) == ((0.0, 0.0, 0.0), 0.0)
 
 
 def test_a_robot_without_limits_of_its_own_drives_half_a_metre_a_second():
@@ -33,9 +33,9 @@ def test_a_robot_stops_at_its_exact_pose_of_the_instant():
     robot = make_robot()
     leg = robot.depart(Pose2D(20.0, 0.0), S)
     assert (robot.leg, leg.arrive_ns) == (leg, 11 * S)
-    assert (robot.pose_at(4 * S), robot.velocity_at(4 * S)) == (Pose2D(6.0, 0.0), (2.0, 0.0))
+    assert (robot.pose_at(4 * S), robot.velocity_at(4 * S)) == (Pose2D(6.0, 0.0), (2.0, 0.0, 0.0))
     assert robot.stop(4 * S) == Pose2D(6.0, 0.0)
-    assert (robot.leg, robot.pose_at(9 * S), robot.velocity_at(9 * S)) == (None, Pose2D(6.0, 0.0), (0.0, 0.0))
+    assert (robot.leg, robot.pose_at(9 * S), robot.velocity_at(9 * S)) == (None, Pose2D(6.0, 0.0), (0.0, 0.0, 0.0))
 
 
 def test_departing_on_the_way_starts_from_the_pose_of_the_instant_from_rest():
@@ -44,7 +44,7 @@ def test_departing_on_the_way_starts_from_the_pose_of_the_instant_from_rest():
     leg = robot.depart(Pose2D(10.0, 0.0), 6 * S)
     assert (leg.start, leg.depart_ns, leg.arrive_ns) == (Pose2D(10.0, 0.0), 6 * S, 6 * S)
     leg = robot.depart(Pose2D(10.0, 1.0), 7 * S)
-    assert (leg.arrive_ns, robot.velocity_at(7 * S)) == (9 * S, (0.0, 0.0))
+    assert (leg.arrive_ns, robot.velocity_at(7 * S)) == (9 * S, (0.0, 0.0, 0.0))
 
 
 def test_the_driven_distance_adds_up_over_legs_and_stops_and_leaves_out_teleports():

@@ -66,7 +66,7 @@ def test_no_jump_and_no_speed_above_the_limit(start, goal, corners, limits, tole
     seconds = (later_ns - now_ns) / S
     one, other = route.pose_at(now_ns), route.pose_at(later_ns)
     assert one.distance_to(other) <= limits.max_speed * seconds * (1.0 + 1e-6) + 1e-6
-    forward, turning = route.velocity_at(now_ns)
+    forward, _, turning = route.velocity_at(now_ns)
     assert 0.0 <= forward <= limits.max_speed and not (forward and turning)
     assert -1e-9 <= route.distance_at(later_ns) - route.distance_at(now_ns) <= limits.max_speed * seconds + 1e-6
 
@@ -90,7 +90,7 @@ def test_velocity_is_what_poses_and_distances_change_by(law):
     driven = turned = 0.0
     step_ns = route.duration_ns / pieces
     for number in range(pieces):  # the midpoint rule
-        forward, turning = route.velocity_at(int((number + 0.5) * step_ns))
+        forward, _, turning = route.velocity_at(int((number + 0.5) * step_ns))
         driven += forward * step_ns / S
         turned += abs(turning) * step_ns / S
     assert driven == pytest.approx(9.0, abs=1e-3)
@@ -108,7 +108,7 @@ def test_to_keep_is_one_speed_profile_over_the_whole_length():
     profile = speed_profile(9.0, 2.0, 0.5)
     for tenth in range(1, 10):
         now_ns = drive_ns * tenth // 10
-        assert route.velocity_at(now_ns) == pytest.approx((speed(profile, now_ns / S), 0.0), abs=1e-12)
+        assert route.velocity_at(now_ns) == pytest.approx((speed(profile, now_ns / S), 0.0, 0.0), abs=1e-12)
         way = covered(profile, now_ns / S)
         expected = (way, 0.0) if way < 4.0 else (4.0, way - 4.0) if way < 7.0 else (way - 3.0, 3.0)
         assert (route.pose_at(now_ns).x, route.pose_at(now_ns).y) == pytest.approx(expected, abs=1e-12)

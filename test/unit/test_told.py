@@ -40,7 +40,8 @@ def test_a_robot_that_stands_is_told_as_a_piece_at_rest_and_bytes_are_little_end
 
 
 @pytest.mark.parametrize('values', [
-    [], [REST[:9]], [[*REST, 0.0]], [None], [REST, REST], [[9.0, *REST[1:]]], [[-1, *REST[1:]]], [[*REST[:9], -1.0]],
+    [], [REST[:9]], [[*REST, 0.0]], [None], [REST, REST], [[9.0, *REST[1:]]], [[-1, *REST[1:]]], [[*REST[:9], -0.5]],
+    [[5, *REST[1:7], 0.1, 0.0, -1.0], REST],
     [[9, 1e9 + 1.0, *REST[2:]]], [[9, 'x', *REST[2:]]], [[9, True, *REST[2:]]], [[2**62, *REST[1:]]], [PIECE],
     [[9, float('nan'), *REST[2:]]], [[9, 10**400, *REST[2:]]], [[5, 9e8, *PIECE[2:]], [2 * 10**9, *REST[1:]]]])
 def test_a_row_of_others_is_no_motion(values):

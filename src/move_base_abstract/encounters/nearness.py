@@ -57,7 +57,7 @@ class Window(NamedTuple):
 
 def _between(span: Span, now_ns: int) -> Place:
     """Return the interpolated position [m] of a robot at ``now_ns`` [ns] in a span of constant speed."""
-    begin_ns, end_ns, _, x, y, to_x, to_y = span
+    begin_ns, end_ns, _, x, y, to_x, to_y, _ = span
     share = (now_ns - begin_ns) / (end_ns - begin_ns)
     return x + share * (to_x - x), y + share * (to_y - y)
 

@@ -99,12 +99,12 @@ _NOBODY: Dict[int, List[Span]] = {}
 
 
 def _box(span: Span, margin: float) -> Tuple[float, float, float, float]:
-    _, _, _, x, y, to_x, to_y = span
+    _, _, _, x, y, to_x, to_y, aside = span
+    margin += aside
     return (min(x, to_x) - margin, min(y, to_y) - margin, max(x, to_x) + margin, max(y, to_y) + margin)
 
 
 def _touches(box: Tuple[float, float, float, float], span: Span) -> bool:
     left, low, right, high = box
-    _, _, _, x, y, to_x, to_y = span
-    return not (x < left and to_x < left or x > right and to_x > right or
-                y < low and to_y < low or y > high and to_y > high)
+    other_left, other_low, other_right, other_high = _box(span, 0.0)
+    return not (other_right < left or other_left > right or other_high < low or other_low > high)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Any, List, NamedTuple, Tuple
 
-from ..common.units import LAST_NS
+from ..common.units import LAST_NS, NS_PER_S
 from ..motion.pieces import acceleration_of
 
 #: the largest number of spans of a track; a longer leg gets spans that are not cut, see Neighbours
@@ -11,9 +11,9 @@ MOST_SPANS = 4096
 
 
 class Span(NamedTuple):
-    """A span of time [ns] in which a robot stands, or drives straight from (x, y) to (to_x, to_y) [m].
+    """A span of time [ns] in which a robot stands, or drives from (x, y) to (to_x, to_y) [m].
 
-    Its acceleration is no more than ``most`` [m/s^2].
+    Its acceleration is no more than ``most`` [m/s^2], and it is no more than ``aside`` [m] beside the straight line.
     """
 
     begin_ns: int
@@ -23,6 +23,7 @@ class Span(NamedTuple):
     y: float
     to_x: float
     to_y: float
+    aside: float = 0.0
 
 
 class Track:
@@ -52,7 +53,10 @@ class Track:
                 continue
             for end_ns in self._instants(leg, before_ns, piece_end_ns, reach):
                 end = leg.pose_at(end_ns)
-                self.spans.append(Span(before_ns, end_ns, acceleration_of(piece), before.x, before.y, end.x, end.y))
+                # a way around a curve is aside by no more than half of its length
+                aside = 0.5 * abs(piece.v) * (end_ns - before_ns) / NS_PER_S if piece.k < 0.0 and piece.w else 0.0
+                self.spans.append(Span(before_ns, end_ns, acceleration_of(piece), before.x, before.y, end.x, end.y,
+                                       aside))
                 before_ns, before = end_ns, end
 
     @staticmethod

@@ -37,7 +37,7 @@ class LegEnergy:
         self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
         energy, before = 0.0, (0.0, 0.0)
         for piece, end_ns in leg.spans():
-            at_begin = self._kinetic(piece.v, piece.w)
+            at_begin = self._kinetic(piece.v, 0.0, piece.w)
             energy += _change(before, at_begin)
             self._begins.append((energy, at_begin))
             before = self._kinetic(*velocity_of(piece, end_ns - 1))
@@ -57,8 +57,9 @@ class LegEnergy:
         """Return the energy [J] that stopping takes if the robot leaves the leg at ``now_ns`` [ns]."""
         return _change(self._kinetic(*self._leg.velocity_at(now_ns)), (0.0, 0.0))
 
-    def _kinetic(self, forward: float, turning: float) -> Tuple[float, float]:
-        return self._half_mass * forward * forward, self._half_moment * turning * turning
+    def _kinetic(self, forward: float, lateral: float, turning: float) -> Tuple[float, float]:
+        return (self._half_mass * forward * forward + self._half_mass * lateral * lateral,
+                self._half_moment * turning * turning)
 
 
 def _change(one: Tuple[float, float], other: Tuple[float, float]) -> float:

@@ -24,7 +24,8 @@ class Piece(NamedTuple):
     At ``begin_ns`` [ns] the robot is at ``x``, ``y`` [m] with the heading ``yaw`` [rad], in the global frame. It drives
     along the unit vector (``ux``, ``uy``) with the speed ``v`` [m/s] and the constant acceleration ``a`` [m/s^2], and
     turns at the rate ``w`` [rad/s]. A robot that drives backwards has a negative ``v``, and the vector points against
-    its way. With ``k`` [1/s] > 0 speed and turn rate fall exponentially at that rate; 0: they do not.
+    its way. With ``k`` [1/s] > 0 speed and turn rate fall exponentially at that rate; 0: they do not. With ``k`` -1 the
+    vector turns with the robot, so that the way is an arc, and ``a`` is 0.
     """
 
     begin_ns: int
@@ -52,26 +53,34 @@ def gone(piece: Piece, now_ns: int) -> Tuple[float, float]:
     """Return (the way [m] along the piece's vector, the time [s] that its turn took at the first rate)."""
     begin_ns, _, _, _, _, _, v, a, _, k = piece
     elapsed = (now_ns - begin_ns) / _NS_PER_S
-    g = elapsed if k == 0.0 else (1.0 - math.exp(-k * elapsed)) / k
+    g = elapsed if k <= 0.0 else (1.0 - math.exp(-k * elapsed)) / k
     return v * g + 0.5 * a * elapsed * elapsed, g
 
 
 def acceleration_of(piece: Piece) -> float:
     """Return the size of the largest acceleration [m/s^2] that occurs in ``piece``."""
-    return abs(piece.v * piece.k) if piece.k else abs(piece.a)
+    return abs(piece.v * (piece.k if piece.k > 0.0 else piece.w)) if piece.k else abs(piece.a)
 
 
 def pose_of(piece: Piece, now_ns: int) -> Pose2D:
     """Return the pose at ``now_ns`` [ns] of a robot that moves as ``piece`` says."""
+    if piece.k < 0.0:
+        return _on_arc(piece, now_ns)
     s, g = gone(piece, now_ns)
     return Pose2D(piece.x + s * piece.ux, piece.y + s * piece.uy, piece.yaw + piece.w * g)
 
 
-def velocity_of(piece: Piece, now_ns: int) -> Tuple[float, float]:
-    """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns], as :func:`pose_of` does."""
+def velocity_of(piece: Piece, now_ns: int) -> Tuple[float, float, float]:
+    """Return (forward, lateral [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns], as :func:`pose_of` does."""
+    if piece.k < 0.0:
+        _, _, _, yaw, ux, uy, v, _, w, _ = piece
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        if ux == cosine and uy == sine:  # straight ahead, so that it has the very speed
+            return v, 0.0, w
+        return v * (ux * cosine + uy * sine), v * (uy * cosine - ux * sine), w
     elapsed = (now_ns - piece.begin_ns) / _NS_PER_S
     h = 1.0 if piece.k == 0.0 else math.exp(-piece.k * elapsed)
-    return piece.v * h + piece.a * elapsed, piece.w * h
+    return piece.v * h + piece.a * elapsed, 0.0, piece.w * h
 
 
 def seconds_over(way: float, speed: float, acceleration: float, rate: float) -> float:
@@ -81,11 +90,21 @@ def seconds_over(way: float, speed: float, acceleration: float, rate: float) -> 
     """
     if way <= 0.0:
         return 0.0
-    if rate:
+    if rate > 0.0:
         left = 1.0 - rate * way / speed
         return -math.log(left) / rate if left > 0.0 else _INF
     root = speed + math.sqrt(max(0.0, speed * speed + 2.0 * acceleration * way))
     return 2.0 * way / root if root else _INF
+
+
+def _on_arc(piece: Piece, now_ns: int) -> Pose2D:
+    """Return the pose at ``now_ns`` [ns] on an arc: the end of its chord, which halves the angle of its turn."""
+    _, x, y, yaw, ux, uy, v, _, w, _ = piece
+    elapsed = (now_ns - piece.begin_ns) / _NS_PER_S
+    half = 0.5 * w * elapsed
+    sine, cosine = math.sin(half), math.cos(half)
+    chord = v * elapsed if half == 0.0 else v * elapsed * (sine / half)
+    return Pose2D(x + chord * (ux * cosine - uy * sine), y + chord * (uy * cosine + ux * sine), yaw + w * elapsed)
 
 
 class Motion:
@@ -150,10 +169,10 @@ class Motion:
         pieces = self.pieces
         return pose_of(pieces[bisect_right(pieces, (now_ns, _INF)) - 1], now_ns)
 
-    def velocity_at(self, now_ns: int) -> Tuple[float, float]:
-        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+    def velocity_at(self, now_ns: int) -> Tuple[float, float, float]:
+        """Return (forward, lateral [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         if now_ns < self.depart_ns or now_ns >= self.arrive_ns:
-            return 0.0, 0.0
+            return 0.0, 0.0, 0.0
         pieces = self.pieces
         return velocity_of(pieces[bisect_right(pieces, (now_ns, _INF)) - 1], now_ns)
 

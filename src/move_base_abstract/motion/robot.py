@@ -84,8 +84,8 @@ class Robot:
         raise TimeError('{}: the pose at {} ns is asked for, but nothing before {} ns is remembered'.format(
             self.name, now_ns, self._past[0].depart_ns))
 
-    def velocity_at(self, now_ns: int) -> Tuple[float, float]:
-        """Return (forward [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
+    def velocity_at(self, now_ns: int) -> Tuple[float, float, float]:
+        """Return (forward, lateral [m/s], turning [rad/s]) in base_link at ``now_ns`` [ns]."""
         return self._motion.velocity_at(now_ns)
 
     def distance_at(self, now_ns: int) -> float:
@@ -208,8 +208,8 @@ class _Stand:
     def pose_at(self, _now_ns: int) -> Pose2D:
         return self.end
 
-    def velocity_at(self, _now_ns: int) -> Tuple[float, float]:
-        return 0.0, 0.0
+    def velocity_at(self, _now_ns: int) -> Tuple[float, float, float]:
+        return 0.0, 0.0, 0.0
 
 
 class Reported:

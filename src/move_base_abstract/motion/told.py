@@ -1,6 +1,7 @@
 """Motions as others are told of them, in the event log and by the time master: pieces, the last one at rest."""
 from __future__ import annotations
 
+import math
 import struct
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Iterable, Optional, Sequence, Tuple
@@ -65,5 +66,7 @@ def motion_of_row(values: Sequence[Any]) -> Optional[ToldMotion]:
 def _is_possible(piece: Piece, end_ns: int) -> bool:
     """Return whether ``piece`` ends at ``end_ns`` [ns] after its begin, and up to then leads nowhere too far away."""
     seconds = (end_ns - piece.begin_ns) / NS_PER_S
-    reach = (abs(piece.v) + abs(piece.a) * seconds) * seconds * max(abs(piece.ux), abs(piece.uy))
-    return seconds > 0.0 and piece.k >= 0.0 and max(abs(piece.x), abs(piece.y)) + reach <= FARTHEST_M
+    reach = (abs(piece.v) + abs(piece.a) * seconds) * seconds * (
+        math.hypot(piece.ux, piece.uy) if piece.k else max(abs(piece.ux), abs(piece.uy)))
+    is_known = piece.k >= 0.0 or piece.k == -1.0 and piece.a == 0.0
+    return seconds > 0.0 and is_known and max(abs(piece.x), abs(piece.y)) + reach <= FARTHEST_M

@@ -1,6 +1,7 @@
 // The data that page_data.py has packed, and functions that look things up in it. They use binary search, so that none
 // walks through a whole run.
 const NS_PER_S = 1e9;
+const ROUND = 0.1; // rad, between two points of an arc
 
 // Return {about, columns} from a text that packed.py has made.
 async function unpack(text) {
@@ -45,9 +46,23 @@ class Run {
   // The pose in a piece at a time: the formula of move_base_abstract/motion/pieces.py. A test holds both to one table.
   poseIn(piece, time) {
     const of = (name) => this[`piece_${name}`][piece];
-    const e = (time - of('begin_ns')) / NS_PER_S, k = of('k'), g = k === 0 ? e : (1 - Math.exp(-k * e)) / k;
+    const e = (time - of('begin_ns')) / NS_PER_S, k = of('k'), g = k <= 0 ? e : (1 - Math.exp(-k * e)) / k;
     const s = of('v') * g + 0.5 * of('a') * e * e, yaw = of('yaw') + of('w') * g;
-    return {x: of('x') + s * of('ux'), y: of('y') + s * of('uy'), yaw: Math.atan2(Math.sin(yaw), Math.cos(yaw))};
+    const half = k < 0 ? 0.5 * of('w') * e : 0, chord = half === 0 ? s : s * (Math.sin(half) / half); // of an arc
+    const sine = Math.sin(half), cosine = Math.cos(half);
+    return {
+      x: of('x') + chord * (of('ux') * cosine - of('uy') * sine),
+      y: of('y') + chord * (of('uy') * cosine + of('ux') * sine),
+      yaw: Math.atan2(Math.sin(yaw), Math.cos(yaw)),
+    };
+  }
+
+  // Points within an arc up to a time, so that lines between them look round; none if the piece is straight.
+  pointsIn(piece, until) {
+    const begin = this.piece_begin_ns[piece], isArc = this.piece_k[piece] < 0 && this.piece_v[piece] !== 0;
+    const parts = isArc ? Math.ceil((Math.abs(this.piece_w[piece]) * (until - begin)) / NS_PER_S / ROUND) : 0;
+    return Array.from({length: Math.max(0, parts - 1)},
+      (_, part) => this.poseIn(piece, begin + ((part + 1) / parts) * (until - begin)));
   }
 
   // The present piece of a motion at a time.

@@ -41,9 +41,13 @@ class RobotView {
     context.beginPath();
     for (let m = first; m <= motion; m += 1) {
       const begin = run.piece_first[m], end = m === motion ? pose.piece : run.pieceAt(m, run.motion_end[m]);
+      const last = m === motion ? Math.min(this.player.time, run.motion_end[m]) : run.motion_end[m];
       for (let k = begin; k <= end; k += 1) {
         const isPlaced = k === begin && (m === first || run.piece_first[m + 1] === begin + 1);
         context[isPlaced ? 'moveTo' : 'lineTo'](view.toX(run.piece_x[k]), view.toY(run.piece_y[k]));
+        for (const {x, y} of run.pointsIn(k, k === end ? last : run.piece_begin_ns[k + 1])) {
+          context.lineTo(view.toX(x), view.toY(y));
+        }
       }
     }
     context.lineTo(view.toX(pose.x), view.toY(pose.y));
@@ -54,6 +58,7 @@ class RobotView {
   drawWay(context, robot, pose) {
     const {run, view} = this, {motion} = pose, isChosen = this.isChosen(robot);
     if (!run.isUnderWay(motion, this.player.time) || (run.robots > MANY_ROBOTS && !isChosen)) return;
+    if (run.piece_k[pose.piece] < 0) return; // driven by velocities, it has no goal
     const last = run.piece_first[motion + 1] - 1, [x, y] = [view.toX(run.piece_x[last]), view.toY(run.piece_y[last])];
     context.strokeStyle = isChosen ? COLOURS.accent : hue(run.rows[robot].name, robot);
     context.lineWidth = isChosen ? 2 : 1.25;

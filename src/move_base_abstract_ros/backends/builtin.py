@@ -52,7 +52,7 @@ class BuiltinBackend:
         self._odometry.add(names.topic('odom'), Odometry, self._pack_odom)
         self._odometry.add(names.topic('base_pose_ground_truth'), Odometry, self._pack_ground_truth)
 
-    def place(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> None:
+    def place(self, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> None:
         """Publish that the robot is at ``pose`` and drives with ``velocity``."""
         self.heartbeat(pose, stamp_ns)
         self._poses.show(pose, velocity, stamp_ns)
@@ -80,7 +80,7 @@ class BuiltinBackend:
         if stamp_ns > self._tf_told[0]:
             self.heartbeat(pose, stamp_ns)
 
-    def follow(self, present: Callable[[], Optional[Tuple[Pose2D, Tuple[float, float], int]]]) -> None:
+    def follow(self, present: Callable[[], Optional[Tuple[Pose2D, Tuple[float, float, float], int]]]) -> None:
         """Tell new listeners ``present()``: the pose, the velocity and the stamp [ns] of now, as for :meth:`place`.
 
         None: they are told what was published last.
@@ -122,25 +122,25 @@ class BuiltinBackend:
             return [self._base_in_odom.transform(_shifted(pose, shift), stamp_ns)]
         return [self._odom_in_map.transform(shift or _ORIGIN, stamp_ns), self._base_in_odom.transform(pose, stamp_ns)]
 
-    def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
+    def _pack_amcl_pose(self, pose: Pose2D, _velocity: Tuple[float, float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_map.pose_with_covariance(seq, told, stamp_ns),
                         self._slots(self._base_in_map.pose_slots))
 
-    def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
+    def _pack_odom(self, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> Pack:
         told = pose if self._odom_in_map is not None else _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_odom.odometry(seq, told, velocity, stamp_ns),
                         self._slots(self._base_in_odom.odometry_slots, self._odom_in_map))
 
-    def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> Pack:
+    def _pack_ground_truth(self, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> Pack:
         return Template(lambda seq: self._base_in_map.odometry(seq, pose, velocity, stamp_ns),
                         self._base_in_map.odometry_slots)
 
     @staticmethod
-    def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float], _stamp_ns: int) -> Pack:
+    def _pack_plain_pose(pose: Pose2D, _velocity: Tuple[float, float, float], _stamp_ns: int) -> Pack:
         return Template(of_message(conversions.to_pose(pose)), packing.PLAIN_POSE_SLOTS)
 
-    def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> Pack:
+    def _pack_robot_pose(self, pose: Pose2D, _velocity: Tuple[float, float, float], stamp_ns: int) -> Pack:
         told = _shifted(pose, self.shift)
         return Template(lambda seq: self._base_in_map.pose_stamped(seq, told, stamp_ns),
                         self._slots(self._base_in_map.pose_slots))

@@ -39,7 +39,7 @@ class GazeboBackend(BuiltinBackend):
         super().__init__(names, settings)
         clock_check.warn_of_machine_clock('Gazebo')
 
-    def place(self, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> None:
+    def place(self, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> None:
         """Publish the pose, and make the worker send it to Gazebo."""
         super().place(pose, velocity, stamp_ns)
         message = conversions.to_pose(pose)

@@ -70,7 +70,7 @@ class StageBackend:
         stage_watch.add(self._truth_topic)
         clock_check.warn_of_machine_clock('Stage')
 
-    def place(self, pose: Pose2D, _velocity: Tuple[float, float], stamp_ns: int) -> None:
+    def place(self, pose: Pose2D, _velocity: Tuple[float, float, float], stamp_ns: int) -> None:
         """Publish that the robot is at ``pose``; send it to Stage at Stage's next step."""
         self._robot_pose.publish(conversions.to_pose_stamped(pose, self._global_frame, stamp_ns))
         amcl_pose = PoseWithCovarianceStamped(header=conversions.to_header(self._global_frame, stamp_ns))

@@ -128,14 +128,14 @@ class InFrame:
         return self._pose_of_child.pack(0, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
                                         pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
 
-    def odometry(self, seq: int, pose: Pose2D, velocity: Tuple[float, float], stamp_ns: int) -> bytes:
-        """Return a nav_msgs/Odometry; ``velocity`` is (forward [m/s], turning [rad/s]), all variances are 0."""
+    def odometry(self, seq: int, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> bytes:
+        """Return a nav_msgs/Odometry, all variances 0; ``velocity`` is (forward, lateral [m/s], turning [rad/s])."""
         half = pose.yaw / 2.0
-        forward, turning = velocity
+        forward, lateral, turning = velocity
         return b''.join((
             self._pose_of_child.pack(seq, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
                                      pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half)),
-            _COVARIANCE, _TWIST.pack(forward, 0.0, 0.0, 0.0, 0.0, turning), _COVARIANCE))
+            _COVARIANCE, _TWIST.pack(forward, lateral, 0.0, 0.0, 0.0, turning), _COVARIANCE))
 
     def laser_scan(self, seq: int, scan: Scan, period: float) -> bytes:
         """Return a sensor_msgs/LaserScan of ``scan`` (Scan); ``period`` [s] is the time between two scans."""

@@ -105,7 +105,7 @@ class RobotPublisher:
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
             self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
 
-    def _present(self) -> Optional[Tuple[Pose2D, Tuple[float, float], int]]:
+    def _present(self) -> Optional[Tuple[Pose2D, Tuple[float, float, float], int]]:
         now_ns = self._clock.newcomers_ns()
         if now_ns is None or self._robot.reported.is_mute:
             return None
