@@ -12,6 +12,8 @@ from .occupancy import OccupancyMap
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_HALF_DIAGONAL = 0.7071068  # of a cell, rounded up [cells]
+_FLOAT32 = 1e-6  # the largest error of the field's numbers, relative
 
 def clearance_at(occupancy: OccupancyMap, x: float, y: float, limit: float) -> float:
     """Return the distance [m] from (x, y) [m, map frame] to the nearest occupied cell, at most ``limit`` [m].
@@ -50,6 +52,16 @@ class ClearanceField:
     def on(cls, occupancy: OccupancyMap, limit: float) -> ClearanceField:
         """Return the field of a map up to ``limit`` [m]; all robots share it."""
         return occupancy.kept((cls, limit), lambda: cls(occupancy, limit))
+
+    def least_at(self, column: float, row: float) -> float:
+        """Return a distance [m] within which of (``column``, ``row``) [cells] there is surely no occupied cell.
+
+        It is below 0 in one.
+        """
+        height, width, side = self._map.height, self._map.width, self._map.resolution
+        value = self._field[min(max(int(row), 0), height - 1), min(max(int(column), 0), width - 1)]
+        off = max(0.0, -column, column - width), max(0.0, -row, row - height)  # cells off the map
+        return max(float(value) * (1.0 - _FLOAT32), math.hypot(*off) * side) - _HALF_DIAGONAL * side
 
     def least_along(self, way: Sequence[Tuple[float, float]], skipped: float = 0.0) -> Tuple[float, float]:
         """Return (the least clearance [m] of the cells below ``way`` ((x, y), ...) [m], where that is along it [m]).

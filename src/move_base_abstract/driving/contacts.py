@@ -1,0 +1,197 @@
+"""Which driven robots of one process touch a wall or one another, and when: then they stall.
+
+Each new motion of a robot is looked at up to LOOK_NS ahead, and again after that time while it lasts.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+
+from ..motion.pieces import Piece, stand
+from .contact import FREE, NEARER, REACH, Course, Limit, Shape, disc, first_touch, gap_of, limit_of
+
+if TYPE_CHECKING:
+    from ..engine.simulation import Simulation
+    from ..maps.occupancy import OccupancyMap
+    from ..motion.pieces import Motion
+    from ..motion.robot import Robot
+    from .walls import Walls
+
+LOOK_NS = 2_000_000_000
+AT_ONCE_NS = 1_000_000  # what is touched within this time by a robot that stands at it is touched at once
+WALL = 'wall'
+_NS_PER_S = 1e9
+_Spans = List[Tuple[Piece, int]]
+
+
+class Contacts:
+    """The driven robots of one process; those with different global frames are in different worlds."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        self._bodies: Dict[int, Body] = {}
+
+    def join(self, robot: Robot, frame: str, shape: Shape, stall: Callable[[int, str], object]) -> Body:
+        """Add ``robot``, which stands: a body of ``shape`` (Shape) in the global ``frame``. Return its :class:`Body`.
+
+        ``stall(now_ns, by)`` must stop the robot; it is called when the robot touches something, ``by``: WALL or the
+        name of another robot.
+        """
+        body = self._bodies[robot.index] = Body(self, robot, frame, shape, stall)
+        body.moved(self.simulation.now_ns)
+        robot.follow(body.moved)
+        return body
+
+    def leave(self, body: Body) -> None:
+        """Note that the robot is removed."""
+        self._forget(body)
+        del self._bodies[body.robot.index]
+
+    def holds(self, body: Body) -> bool:
+        """Return whether the robot is still there."""
+        return self._bodies.get(body.robot.index) is body
+
+    def others(self, body: Body, now_ns: int) -> List[Body]:
+        """Return the other robots of the same world whose clock shows ``now_ns`` [ns], too."""
+        return [other for other in self._bodies.values()
+                if other is not body and other.frame == body.frame and other.since_ns <= now_ns]
+
+    def look(self, body: Body, now_ns: int) -> None:
+        """Find what the robot will touch first in the next LOOK_NS, from ``now_ns`` [ns] on."""
+        self._forget(body)
+        until_ns = now_ns + LOOK_NS
+        spans, motion = body.spans(body.motion, now_ns, until_ns), body.motion
+        if motion is not None:
+            touch_ns = body.touches_wall(spans, now_ns)
+            if touch_ns is not None:
+                body.ahead[None] = self._schedule(touch_ns - 1, now_ns, body, lambda at_ns: body.stall(at_ns, WALL))
+            elif motion.arrive_ns > until_ns:
+                body.ahead[None] = self._schedule(until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns))
+        for other in self.others(body, now_ns):
+            if body.may_meet(other, now_ns):
+                touch_ns = _meeting_ns(body, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns)
+                if touch_ns is not None:
+                    one, two = (body, other) if body.robot.index < other.robot.index else (other, body)
+                    one.ahead[two.robot.index] = two.ahead[one.robot.index] = self._schedule(
+                        touch_ns - 1, now_ns, one, _Meeting(one, two))
+
+    def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object]) -> Any:
+        return self.simulation.queue.schedule(max(due_ns, now_ns), body.robot.index,
+                                              lambda due_ns, _now_ns: act(due_ns))
+
+    def _forget(self, body: Body) -> None:
+        """Cancel what the robot was to touch."""
+        for other, event in body.ahead.items():
+            event.cancel()
+            if other is not None:
+                self._bodies[other].ahead.pop(body.robot.index, None)
+        body.ahead.clear()
+
+
+class Body:
+    """A driven robot: since ``since_ns`` [ns] it has its ``motion`` (Motion), or stands (None).
+
+    ``robot``, ``frame``, ``shape``, ``stall``: see Contacts.join; ``ahead``: the event of what it will touch, by the
+    index of the other robot, None: a wall.
+    """
+
+    def __init__(self, contacts: Contacts, robot: Robot, frame: str, shape: Shape,
+                 stall: Callable[[int, str], object]) -> None:
+        self.robot, self.frame, self.shape, self.stall = robot, frame, shape, stall
+        self.bound = disc(shape.reach)
+        self.motion: Optional[Motion] = None
+        self.since_ns = 0
+        self._fastest = 0.0
+        self.ahead: Dict[Optional[int], Any] = {}
+        self._contacts = contacts
+        self._walls: Optional[Walls] = None
+
+    def use_map(self, occupancy: Optional[OccupancyMap], now_ns: int) -> None:
+        """Let the occupied cells of ``occupancy`` stop the robot from ``now_ns`` [ns] on, None: robots alone do."""
+        self._walls = None
+        if occupancy is not None:
+            from .walls import Walls  # imported here, since only robots with a map need numpy
+            self._walls = Walls(occupancy, self.shape)
+        self._contacts.look(self, now_ns)
+
+    def leave(self) -> None:
+        """Note that the robot is removed."""
+        self._contacts.leave(self)
+
+    def moved(self, now_ns: int) -> None:
+        """Note that the robot has begun another motion, or stands."""
+        if self._contacts.holds(self):
+            self.since_ns, self.motion = now_ns, self.robot.leg
+            pieces = () if self.motion is None else self.motion.pieces
+            self._fastest = max((abs(piece.v) for piece in pieces), default=0.0)
+            self._contacts.look(self, now_ns)
+
+    def is_blocked(self, motion: Motion, now_ns: int) -> bool:
+        """Return whether the robot would touch something at once, if it began ``motion`` at ``now_ns`` [ns]."""
+        until_ns = now_ns + AT_ONCE_NS
+        spans = self.spans(motion, now_ns, until_ns)
+        return self.touches_wall(spans, now_ns) is not None or any(
+            _meeting_ns(self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns) is not None
+            for other in self._contacts.others(self, now_ns))
+
+    def nears(self, other: Body, now_ns: int) -> bool:
+        """Return whether the robot would touch ``other`` at once if that one stood from ``now_ns`` [ns] on."""
+        until_ns = now_ns + AT_ONCE_NS
+        spans = self.spans(self.motion, now_ns, until_ns)
+        return _meeting_ns(self, spans, other, other.spans(None, now_ns, until_ns), now_ns) is not None
+
+    def may_meet(self, other: Body, now_ns: int) -> bool:
+        """Return whether the robot may touch ``other`` in the next LOOK_NS, by the distance of both."""
+        ways = self.way_ahead(now_ns) + other.way_ahead(now_ns)
+        return ways > 0.0 and self.robot.pose_at(now_ns).distance_to(other.robot.pose_at(now_ns)) <= (
+            ways + self.shape.reach + other.shape.reach + 2.0 * REACH)
+
+    def way_ahead(self, now_ns: int) -> float:
+        """Return a way [m] that the robot does not exceed in the next LOOK_NS; it is above 0 if the robot moves."""
+        if self.motion is None:
+            return 0.0
+        return REACH + self._fastest * (min(self.motion.arrive_ns - now_ns, LOOK_NS) / _NS_PER_S)
+
+    def touches_wall(self, spans: _Spans, now_ns: int) -> Optional[int]:
+        """Return the first instant [ns] from ``now_ns`` on at which the robot touches a wall in ``spans``, or None."""
+        return None if self._walls is None else self._walls.first_touch(spans, now_ns)
+
+    def spans(self, motion: Optional[Motion], now_ns: int, until_ns: int) -> _Spans:
+        """Return ((a piece, its end [ns]), ...) of ``motion`` from ``now_ns`` to ``until_ns`` [ns]; then it stands."""
+        found = [] if motion is None else [(piece, min(end_ns, until_ns)) for piece, end_ns in motion.spans()
+                                           if end_ns > now_ns and piece.begin_ns < until_ns]
+        if not found or found[-1][1] < until_ns:
+            pose = self.robot.pose_at(now_ns) if motion is None else motion.end
+            found.append((stand(pose, found[-1][1] if found else now_ns), until_ns))
+        return found
+
+
+class _Meeting:
+    """Two robots touch: the one stalls whose motion leads to the other one; if that holds for neither, both do."""
+
+    def __init__(self, one: Body, two: Body) -> None:
+        self._pair = (one, two), (two, one)
+
+    def __call__(self, now_ns: int) -> None:
+        """Let them stall, in the order of robots."""
+        moving = [(body, other) for body, other in self._pair if body.motion is not None]
+        for body, other in [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving:
+            body.stall(now_ns, other.robot.name)
+
+
+def _meeting_ns(one: Body, ones: _Spans, other: Body, others: _Spans, now_ns: int) -> Optional[int]:
+    """Return the first instant [ns] from ``now_ns`` on at which two robots touch that drive these spans, or None."""
+    limit: Optional[Limit] = FREE
+    starts = Course(ones[0][0], one.bound), Course(others[0][0], other.bound)
+    if gap_of(*starts, now_ns) <= REACH + NEARER:
+        limit = limit_of(gap_of(Course(ones[0][0], one.shape), Course(others[0][0], other.shape), now_ns))
+    begin_ns, index, their_index = now_ns, 0, 0
+    while limit is not None and index < len(ones) and their_index < len(others):
+        (piece, end_ns), (their_piece, their_end_ns) = ones[index], others[their_index]
+        until_ns = min(end_ns, their_end_ns)
+        near_ns = first_touch(Course(piece, one.bound), Course(their_piece, other.bound), FREE, begin_ns, until_ns)
+        touch_ns = None if near_ns is None else first_touch(
+            Course(piece, one.shape), Course(their_piece, other.shape), limit, near_ns, until_ns)
+        if touch_ns is not None:
+            return touch_ns
+        begin_ns, index, their_index = until_ns, index + (end_ns == until_ns), their_index + (their_end_ns == until_ns)
+    return None
