@@ -169,15 +169,6 @@ def test_a_navigation_that_is_not_installed_is_a_robot_with_the_pose_handed_to_i
     assert made.problems == ()
 
 
-def test_robots_that_are_only_spawned_get_a_move_base_each_and_things_do_not(package):
-    path = package('spawn.launch', """<launch>{} {}
-      <node pkg="gazebo_ros" type="spawn_model" name="box" args="-sdf -file $(dirname)/box.sdf -model box -x 9 -y 9"/>
-    </launch>""".format(GROUP.format('a', '1', '0', '0'), GROUP.format('b', '2', '0', '0')))
-    made = adopt(path)
-    assert list(made.options.add) == ['/a/move_base', '/b/move_base']
-    assert tuple(made.options.start.items()) == (('/a/move_base', (1.0, 0.0, 0.0)), ('/b/move_base', (2.0, 0.0, 0.0)))
-
-
 def test_nodes_of_other_machines_run_here(package):
     path = package('far.launch', """<launch><machine name="robot" address="192.0.2.1" env-loader="/x"/>
       <node pkg="move_base" type="move_base" name="move_base" machine="robot"/>

@@ -98,8 +98,9 @@ def test_a_localizer_outside_of_namespaces_is_no_robot_where_robots_are_put_into
       <node pkg="amcl" type="amcl" name="amcl_jackal0"><param name="initial_pose_x" value="0.0"/></node>
       <node pkg="amcl" type="amcl" name="amcl_jackal1"><param name="initial_pose_x" value="7.0"/></node></launch>
       """.format(SPAWNED.format('jackal0', 2), SPAWNED.format('jackal1', 5)))
-    assert tuple(adopt(path).options.start.items()) == (
-        ('/jackal0/move_base', (2.0, 0.0, 0.0)), ('/jackal1/move_base', (7.0, 0.0, 0.0)))
+    made = adopt(path)
+    assert [(one['name'], one['start_x']) for one in made.options.param['/velocity_robots']['robots']] == [
+        ('jackal0', 2.0), ('jackal1', 5.0)]
 
 
 def test_a_navigation_that_is_not_here_is_known_however_its_name_is_written(package):
@@ -149,7 +150,7 @@ def test_worlds_that_nobody_could_mean_are_refused(tmp_path, text, expected):
 
 def test_parts_of_a_world_that_say_nothing_are_nothing(tmp_path):
     found = worlds.read(world_of(tmp_path, 'model ( name [ ] bitmap [ ] size [ ] ) position ( name [ ] pose [ 3 4 ] )'))
-    assert found == worlds.World((('', (3.0, 4.0, 0.0)),), None)
+    assert found == worlds.World((('', (3.0, 4.0, 0.0)),), None, (worlds.Body(),))
 
 
 def test_a_world_that_is_no_file_is_told_and_nobody_waits_for_it(package, tmp_path):

@@ -133,6 +133,9 @@ class RunOptions:
     adopt: bool = option(
         FLAG, False, 'adapts a launch file of others [by rule](adopt.md): replaces `move_base`, leaves out simulators, '
         'takes start poses from the file', systems=_OF_FILES, in_digest=True)
+    real_navigation: bool = option(
+        FLAG, False, "with `adopt`: the file's own `amcl` and `move_base` stay, and only the simulator is "
+        '[replaced](adopt.md#robots-that-are-driven-by-velocities)', systems=_OF_FILES, in_digest=True)
     tolerant: bool = option(
         FLAG, False, 'leaves out what the file names and is not installed (programs, files that it includes or loads, '
         'parameters from a program, environment variables), uses packages that lie beside the file, and runs the '

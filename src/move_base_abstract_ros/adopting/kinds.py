@@ -31,8 +31,10 @@ _BY_NAME = {
 }
 _SIMULATOR = 'it is a simulator with a clock of its own, or a part of one'
 _SPAWNS = 'it puts a model into a simulator that is not there'
-_PLACE = 'it says where the robot is, and so does ours'
-_SENSES = 'it processes data of sensors or wheels, and there are none'
+PLACE = 'it says where the robot is, and so does ours'
+SENSES = 'it processes data of sensors or wheels, and there are none'
+#: what is left out beside robots with goals, and stays beside those that are driven by velocities: they need it
+CHOOSES = 'it chooses among velocities, and our robot needs none'
 PERSON = 'it waits for a person or a joystick'
 _TOOLS = 'it drives a device, and there is none'
 _TO_DRIVE = 'it drives the robot, and so does ours'
@@ -40,21 +42,28 @@ _TO_DRIVE = 'it drives the robot, and so does ours'
 _KNOWN = {name: Kind(LEFT_OUT, why) for names, why in (
     ('gazebo_ros gazebo gazebo_plugins ros_gz_sim ros_gz_bridge ros_gz_image ros_ign_gazebo ros_ign_bridge stage_ros '
      'stage stdr_server stdr_robot stdr_gui flatland_server mvsim morse_ros webots_ros pedsim_simulator', _SIMULATOR),
-    ('controller_manager twist_mux cmd_vel_mux yocs_cmd_vel_mux yocs_velocity_smoother', _TO_DRIVE),
-    ('amcl fake_localization mcl_3dl als_ros robot_pose_ekf robot_localization', _PLACE),
+    ('controller_manager', _TO_DRIVE), ('twist_mux cmd_vel_mux yocs_cmd_vel_mux yocs_velocity_smoother', CHOOSES),
+    ('amcl fake_localization mcl_3dl als_ros robot_pose_ekf robot_localization', PLACE),
     ('gmapping slam_gmapping slam_toolbox slam_karto hector_mapping cartographer_ros rtabmap_ros rtabmap_slam '
      'octomap_server laser_filters laser_scan_matcher laser_assembler pointcloud_to_laserscan depthimage_to_laserscan '
-     'ira_laser_tools imu_filter_madgwick imu_complementary_filter', _SENSES),
+     'ira_laser_tools imu_filter_madgwick imu_complementary_filter', SENSES),
     ('joy teleop_twist_keyboard teleop_twist_joy key_teleop turtlebot_teleop turtlebot3_teleop kobuki_keyop', PERSON),
     ('rosserial_python rosserial_server kobuki_node rplidar_ros urg_node hokuyo_node sick_scan sick_tim lms1xx '
      'realsense2_camera usb_cam velodyne_driver velodyne_pointcloud ydlidar_ros hls_lfcd_lds_driver rosaria',
      _TOOLS)) for name in names.split()}
+#: {(package, type): {our topic: the driver's}} of nodes that drive one robot by velocities and tell its odometry
+DRIVERS = {
+    ('turtlebot3_fake', 'turtlebot3_fake_node'): {},
+    ('rosaria', 'RosAria'): {'cmd_vel': '~cmd_vel', 'odom': '~pose'},
+    ('p2os_driver', 'p2os_driver'): {'odom': 'pose'},
+    ('create_driver', 'create_driver'): {}, ('ca_driver', 'ca_driver'): {},
+    ('kobuki_node', 'kobuki_node'): {'cmd_vel': 'mobile_base/commands/velocity'}}
 _SPAWNER = re.compile(r'(?:spawn_?(?:model|urdf|sdf|robot|.*_model)|urdf_spawner|delete_model)(?:\.py)?')
 #: (expression for 'package/type', why such a node is left out if its package is not here); the first match counts
 _GUESSED = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package, kind, why in (
     ('ros_gz.*|ros_ign.*|stdr_.*|morse.*|coppeliasim.*|vrep.*', '.*', _SIMULATOR),
-    ('mcl.*', '.*', _PLACE),
-    ('slam_.*|karto.*|rtabmap.*|.*_slam|laser_.*|pointcloud_.*|depthimage_.*|imu_.*|scan_tools', '.*', _SENSES),
+    ('mcl.*', '.*', PLACE),
+    ('slam_.*|karto.*|rtabmap.*|.*_slam|laser_.*|pointcloud_.*|depthimage_.*|imu_.*|scan_tools', '.*', SENSES),
     ('teleop.*|.*_teleop', '.*teleop.*|.*key.*|joy.*', PERSON),
     ('rosserial.*|kobuki_.*|sick_.*|velodyne_.*|ydlidar.*|.*_driver|.*_drivers|.*_hardware', '.*', _TOOLS),
 )]
@@ -62,6 +71,8 @@ _GUESSED = [(re.compile('(?:{})/(?:{})'.format(package, kind)), why) for package
 KEYBOARD = ('termios', 'tty', 'curses', 'pynput')
 #: modules of programs that read a keyboard, a joystick or a device; they confirm a guess
 HANDS = (*KEYBOARD, 'pygame', 'serial', 'smbus', 'RPi', 'usb')
+_THING = re.compile(r'(?:^|.*[_/-])(?:target|obstacle|box|cube|ball|wall|door|cylinder|sphere|table|shelf|marker|aruco|'
+                    r'goal|landmark|person|human|pedestrian|actor|pallet|cone|house|tree)s?(?:[_-]?\d+)?(?:[_/-].*|$)')
 _CLOCK = re.compile(r'(?:.*_)?(?:sim_?time|clock)(?:_.*)?(?:\.py)?')
 CLOCK = 'it is a clock, and in lockstep only the time master is one'
 NO_PROGRAM = 'this program is not installed here'
@@ -70,6 +81,8 @@ NO_PROGRAM = 'this program is not installed here'
 def kind_of(package, name):
     """Return the Kind of a node's package and type, as far as their names show."""
     known = _BY_NAME.get((package, name)) or _KNOWN.get(package)
+    if (package, name) in DRIVERS:
+        return Kind(LEFT_OUT, _TO_DRIVE)
     if _SPAWNER.fullmatch(name) and (known is None or known.why == _SIMULATOR):
         return Kind(LEFT_OUT, _SPAWNS, is_guess=known is None)
     if known is not None:
@@ -80,9 +93,14 @@ def kind_of(package, name):
     return Kind(ELSE)
 
 
+def is_thing(name):
+    """Return whether the name of a model says that it is a thing, and no robot: a target, an obstacle, a box."""
+    return _THING.fullmatch(name.lower()) is not None
+
+
 def is_localizer(package):
     """Return whether a package's nodes say where the robot is, as far as its name shows."""
-    return kind_of(package, '').why == _PLACE
+    return kind_of(package, '').why == PLACE
 
 
 def looks_like_a_clock(name):

@@ -11,7 +11,7 @@ from move_base_abstract.common.kinds import as_number
 
 from . import kinds, worlds
 
-LOCALIZER, STAGE, SPAWNED, FRAME = 'localizer', 'Stage', 'spawned', 'frame'
+LOCALIZER, STAGE, SPAWNED, FRAME, DRIVER = 'localizer', 'Stage', 'spawned', 'frame', 'driver'
 _AXES = {'x': 0, 'y': 1, 'yaw': 2, 'a': 2, 'theta': 2, 'th': 2}
 _BESIDE_AXES = {'initial', 'init', 'pose', 'pos', 'position', 'start', 'robot', 'spawn', 'origin', 'coord', 'model',
                 'location', 'point', 'loc', ''}
@@ -26,10 +26,12 @@ class Hint(NamedTuple):
     """One place of a robot that a launch file gives.
 
     ``source``: LOCALIZER (a pose in the map's frame), STAGE (in Stage's world), SPAWNED (in Gazebo's world), FRAME (the
-    pose of the odometry frame in the map's frame). ``pose``: (x, y, yaw) [m, m, rad]. ``names``: possible names of the
-    robot. ``is_robot``: whether it is certainly a robot, and not a thing. ``who``: the part of the file that gives the
+    pose of the odometry frame in the map's frame), DRIVER (no place: a driver of a robot). ``pose``: (x, y, yaw) [m, m,
+    rad]. ``names``: possible names of the robot. ``is_robot``: whether it is certainly a robot, and not a thing.
+    ``who``: the part of the file that gives the
     place; ``place``: where that part is in the file. ``in_world``: whether it is a pose in a simulator's world, and not
-    in a robot's map, if these differ.
+    in a robot's map, if these differ. ``node``: the spawner or driver, a roslaunch Node; ``body``: the worlds.Body of a
+    robot of Stage.
     """
 
     source: str
@@ -40,6 +42,8 @@ class Hint(NamedTuple):
     place: str = ''
     is_robot: bool = True
     in_world: bool = False
+    node: object = None
+    body: object = None
 
     @property
     def shown(self):
@@ -52,13 +56,14 @@ class Stage(NamedTuple):
     """A node that is Stage, with the path of its ``world`` file.
 
     ``offset``: (x, y, yaw) [m, m, rad] of the map's frame in its world, or None if it is not known. ``why``: the source
-    of the offset, or the reason why it is not known.
+    of the offset, or the reason why it is not known. ``interval``: of its steps [s].
     """
 
     node: object
     world: str
     offset: object
     why: str
+    interval: float = 0.1
 
 
 def hints(config):
@@ -73,6 +78,9 @@ def hints(config):
             more, stage = _of_stage(config, node)
             found += more
             stages.append(stage)
+        elif (node.package, node.type) in kinds.DRIVERS:
+            found.append(Hint(DRIVER, (0.0, 0.0, 0.0), absolute(node.namespace), tokens(node.namespace),
+                              'the driver {}'.format(name_of(node)), node.filename or '', node=node))
         elif kind.word == kinds.LEFT_OUT and (not kind.is_guess or 'spawn' in node.type):
             found += _of_spawner(node)
     for one in getattr(config, 'missing', ()):
@@ -112,12 +120,14 @@ def _of_spawner(node):
     named = [after for word, after in zip(words, words[1:]) if word in ('-model', '-robot_namespace', '-entity')]
     namespace = next((after for word, after in zip(words, words[1:]) if word == '-robot_namespace'), node.namespace)
     yield Hint(SPAWNED, pose, absolute(namespace), tokens(node.namespace, *named, node.name or ''),
-               'the spawner {}'.format(name_of(node)), node.filename or '', _is_robot(words), in_world=True)
+               'the spawner {}'.format(name_of(node)), node.filename or '',
+               _is_robot(words) and not any(map(kinds.is_thing, [*named, node.name or ''])), in_world=True, node=node)
 
 
 def _is_robot(words):
-    """Return whether a spawner's arguments are for a robot: its model is a parameter, in URDF, and not a file."""
-    return '-param' in words and '-sdf' not in words and any('robot' in word for word in words)
+    """Return whether a spawner's arguments are for a robot: its model is a parameter, in URDF, or has a namespace."""
+    return '-robot_namespace' in words or (
+        '-param' in words and '-sdf' not in words and any('robot' in word for word in words))
 
 
 def frame_of(node):
@@ -159,7 +169,7 @@ def _of_stage(config, node):
     if offset is None and _delta(config) is not None:
         offset, why = _delta(config), 'by delta_* of fake_localization'
     found = []
-    for number, (name, pose) in enumerate(world.robots):
+    for number, ((name, pose), body) in enumerate(zip(world.robots, world.bodies)):
         if pose is None:
             continue
         called = name if by_names and name else 'robot_{}'.format(number)
@@ -167,8 +177,8 @@ def _of_stage(config, node):
         namespace = node.namespace if is_alone else ns_join(node.namespace, called)
         names = tokens(node.namespace, called, name) if not is_alone else tokens(node.namespace, name)
         found.append(Hint(STAGE, pose, absolute(namespace), names,
-                          "{} in Stage's world {}".format(called, os.path.basename(path)), place))
-    return found, Stage(node, path, offset, why)
+                          "{} in Stage's world {}".format(called, os.path.basename(path)), place, node=node, body=body))
+    return found, Stage(node, path, offset, why, world.interval)
 
 
 def _offset(config, world):

@@ -306,6 +306,11 @@ def is_package(name):
         return False
 
 
+def folder_of(name):
+    """Return the folder of a package; it does not exist if the package is not here."""
+    return rospkg.RosPack().get_path(name) if is_package(name) else NOT_INSTALLED + name
+
+
 def use(folder):
     """Make this process and those that it starts find the package in ``folder``, and the modules in its ``src``."""
     _append('ROS_PACKAGE_PATH', folder)

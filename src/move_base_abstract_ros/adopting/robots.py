@@ -7,9 +7,9 @@ from typing import NamedTuple
 from rosgraph.names import ns_join
 
 from ..loopback import PACKAGE
-from . import kinds, poses, worlds
+from . import drivers, kinds, poses, worlds
 
-OWN = ('move_base', 'move_base_abstract_actionserver')
+OWN = ('move_base', 'move_base_abstract_actionserver', drivers.NODE)
 _FAR = 0.05  # m: the user is told of places that differ by more
 _NAME = re.compile('(?:/[A-Za-z0-9_]+)+')
 
@@ -19,7 +19,7 @@ class Robot(NamedTuple):
 
     ``added``: why it gets a move_base although the file starts none, or ''. ``place``: where it is in the file.
     ``frame``: its map's frame, if robots have different ones; ``map_pose``: the pose of that frame in Gazebo's world,
-    (x, y, yaw) [m, m, rad], by the static frames of the file.
+    (x, y, yaw) [m, m, rad], by the static frames of the file. ``hint``: of the robot that a velocity robot stands for.
     """
 
     name: str
@@ -29,11 +29,17 @@ class Robot(NamedTuple):
     place: str = ''
     frame: str = ''
     map_pose: tuple = ()
+    hint: object = None
 
     @property
     def has_name(self):
         """Whether ROS accepts the name."""
         return _NAME.fullmatch(self.name) is not None
+
+    @property
+    def is_driven(self):
+        """Whether it is added as a robot that is driven by velocities."""
+        return bool(self.added) and self.name.endswith('/' + drivers.NODE)
 
 
 class Start(NamedTuple):
@@ -50,12 +56,17 @@ class Start(NamedTuple):
     by_order: bool
 
 
-def robots_of(config, hints, asked=()):
+def robots_of(config, hints, asked=(), keeps_navigation=False):
     """Return the Robots of a configuration, in the order of its nodes, and those that need a move_base.
 
     A robot needs one if a launch file that is not here would start it, by its name. If no robot is found so, each robot
-    of the ``hints`` gets one. ``asked``: full names of robots that are added, since the user asks for it.
+    of the ``hints`` is driven by velocities. ``asked``: full names of robots that are added, since the user asks for
+    it. ``keeps_navigation``: the file's own move_base stays, and all robots are driven by velocities.
     """
+    if keeps_navigation:
+        return _with_maps(config, _told_apart(_driven(hints) or [
+            _new(node.namespace, 'it is driven by {}'.format(poses.name_of(node)), node.filename or '', drivers.NODE)
+            for node in config.nodes if _is_robot(node)]))
     nodes = [node for node in config.nodes if _is_robot(node)]
     found = [Robot(poses.name_of(node), node.namespace, _names(config, node), place=node.filename or '')
              for node in nodes] + [_new(poses.absolute(name.rpartition('/')[0]), '', '--add')._replace(name=name)
@@ -68,13 +79,20 @@ def robots_of(config, hints, asked=()):
                 known.add(namespace)
                 found.append(_new(namespace, '{} is not here, and by its name it starts one'.format(
                     os.path.basename(one.name)), one.place))
-    if not found:
-        for hint in _of_robots(hints):
-            if hint.namespace not in known:
-                known.add(hint.namespace)
-                found.append(_new(hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(
-                    hint.who), hint.place))
+    found = found or _driven(hints)
     return _with_maps(config, _told_apart(found))
+
+
+def _driven(hints):
+    """Return a velocity robot for each robot that a simulator would have had, or else a driver, or a localizer."""
+    found = _of_robots(hints)
+    simulated = [hint for hint in found if hint.source != poses.LOCALIZER]
+    robots = {}
+    for hint in sorted(simulated or found, key=lambda hint: hint.source == poses.DRIVER):
+        robots.setdefault(hint.namespace, _new(
+            hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(hint.who), hint.place,
+            drivers.NODE)._replace(hint=hint))
+    return list(robots.values())
 
 
 def _with_maps(config, robots):
@@ -110,8 +128,8 @@ def _is_robot(node):
     return kinds.kind_of(node.package, node.type).word == kinds.ROBOT or node.package == PACKAGE and node.type in OWN
 
 
-def _new(namespace, why, place):
-    return Robot(ns_join(namespace, 'move_base'), namespace, poses.tokens(namespace), why, place)
+def _new(namespace, why, place, kind=OWN[0]):
+    return Robot(ns_join(namespace, kind), namespace, poses.tokens(namespace), why, place)
 
 
 def _namespace_of(include):
@@ -146,7 +164,8 @@ def starts_of(robots, hints, stages):
         known, guessed = _assigned(robots, of_source)
         whose.update({**known, **guessed})
         by_order |= set(guessed)
-    seconds = [hint for hint in hints if hint not in whose and hint.is_robot and hint.source != poses.FRAME]
+    seconds = [hint for hint in hints if hint not in whose and hint.is_robot and hint.source not in (
+        poses.FRAME, poses.DRIVER)]
     whose.update((hint, robot.name) for hint in seconds for robot in reversed(robots) if _is_named(robot, hint))
     in_order = [*(hint for hint in hints if hint not in seconds), *seconds]
     found = [_start(robot, [hint for hint in in_order if whose.get(hint) == robot.name], stages, by_order)
@@ -188,7 +207,8 @@ def _start(robot, hints, stages, by_order):
     offset = _offset(stages)
     by_source = {hint.source: hint for hint in reversed(hints)}
     stage, localizer = by_source.get(poses.STAGE), by_source.get(poses.LOCALIZER)
-    order = [stage if offset else None, localizer if localizer and any(localizer.pose) else None, stage,
+    simulated = [stage, by_source.get(poses.SPAWNED)] if robot.is_driven else []
+    order = [*simulated, stage if offset else None, localizer if localizer and any(localizer.pose) else None, stage,
              by_source.get(poses.SPAWNED), localizer, by_source.get(poses.FRAME)]
     chosen = next((hint for hint in order if hint is not None), None)
     if chosen is None:

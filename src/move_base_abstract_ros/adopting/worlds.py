@@ -34,11 +34,42 @@ class World(NamedTuple):
 
     ``robots``: ((name, (x, y, yaw)), ...) [m, m, rad], in Stage's world, in the order in which stage_ros numbers them;
     None in the place of a pose that no numbers give.
-    ``floor``: the Floor of the floor plan, or None.
+    ``floor``: the Floor of the floor plan, or None. ``bodies``: the Body of each robot. ``interval``: of Stage's steps
+    [s].
     """
 
     robots: tuple
     floor: object
+    bodies: tuple = ()
+    interval: float = 0.1
+
+
+class Body(NamedTuple):
+    """What a world file says of a robot besides its place, with Stage's values where it says nothing.
+
+    ``size``: (length, width) [m], with its centre at ``centre`` (x, y) [m]; ``is_omni``: whether it drives sideways.
+    ``bounds``: (least, largest) of x, y [m/s] and of turning [rad/s]. ``origin``: that of its odometry, a pose in
+    Stage's world, or None: its start. ``odom_error``: Stage's [x, y, z, a], or None. ``lasers``: a Laser each.
+    """
+
+    size: tuple = (0.4, 0.4)
+    centre: tuple = (0.0, 0.0)
+    is_omni: bool = False
+    bounds: tuple = ((-1.0, 1.0), (-1.0, 1.0), (-math.pi / 2, math.pi / 2))
+    origin: object = None
+    odom_error: object = None
+    lasers: tuple = ()
+
+
+class Laser(NamedTuple):
+    """A laser: its pose on the robot [m, m, rad], angles [rad], number of beams, ranges [m]."""
+
+    pose: tuple
+    first: float
+    last: float
+    beams: int
+    nearest: float
+    farthest: float
 
 
 class Floor(NamedTuple):
@@ -82,7 +113,9 @@ def read(path):
                                     _MOST_ROBOTS + 1))
     if len(robots) > _MOST_ROBOTS:
         raise ValueError('{}: got more than {} robots; allowed: up to {}'.format(path, _MOST_ROBOTS, _MOST_ROBOTS))
-    return World(robots, stage.floor(world.parts, os.path.dirname(os.path.abspath(path))))
+    interval = _finite(_first(world.values, 'interval_sim'), 100.0) / 1000.0
+    return World(tuple(robot[:2] for robot in robots), stage.floor(world.parts, os.path.dirname(os.path.abspath(path))),
+                 tuple(body for _name, _pose, body in robots), interval if interval > 0.0 else 0.1)
 
 
 class _Stage:
@@ -95,7 +128,7 @@ class _Stage:
         self._left = _MOST_PARTS
 
     def robots(self, model, around=(0.0, 0.0, 0.0), depth=0):
-        """Yield (name, pose) of a model that is a robot and of the robots within it. ``around``: the pose around it."""
+        """Yield (name, pose, Body) of a model that is a robot and of those in it. ``around``: the pose around it."""
         self._left -= 1
         if depth > _DEEPEST or not self._left:
             raise ValueError('parts lie within one another more than {} times, or are more than {}'.format(
@@ -106,9 +139,45 @@ class _Stage:
             x, y = turned(*pose[:2], around[2])
             pose = around[0] + x, around[1] + y, around[2] + pose[2]
         if kind == 'position' or not depth and kind not in _BUILT_IN and 'pose' in values and 'bitmap' not in values:
-            yield _first(values, 'name'), pose
+            yield _first(values, 'name'), pose, self._body(values, parts)
         for part in parts:
             yield from self.robots(part, pose, depth + 1)
+
+    def _body(self, values, parts):
+        size, centre = self._numbers(values, 'size', (0.4, 0.4)), self._numbers(values, 'origin', (0.0, 0.0))
+        bounds = self._numbers(values, 'velocity_bounds', (-1.0, 1.0) * 3)
+        turning = tuple(self._angle(word, one) for word, one in zip(
+            [*values.get('velocity_bounds', [])[6:], '', ''], Body().bounds[2]))
+        errors = tuple(_finite(word, one) for word, one in zip(
+            [*values.get('odom_error', []), *[''] * 4], (0.03, 0.03, 0.0, 0.05)))
+        is_wrong = _first(values, 'localization') == 'odom' and any(errors)
+        rangers = [found for found in map(self._resolved, parts) if found[0] in ('ranger', 'laser')]
+        return Body(size, centre, _first(values, 'drive') == 'omni', (bounds[:2], bounds[2:4], turning),
+                    self._pose(values, 'localization_origin') if values.get('localization_origin') else None,
+                    errors if is_wrong else None,
+                    tuple(self._laser(values, parts) for _kind, values, parts in rangers))
+
+    def _laser(self, values, parts):
+        x, y, yaw = self._pose(values) or (0.0, 0.0, 0.0)
+        sensor = next((found[1] for found in map(self._resolved, parts) if found[0] == 'sensor'), values)
+        within = sensor is not values and self._pose(sensor) or (0.0, 0.0, 0.0)
+        dx, dy = turned(*within[:2], yaw)
+        fov = self._angle(_first(sensor, 'fov'), 0.1)
+        beams = max(1, int(_finite(_first(sensor, 'samples'), 1.0)))
+        farthest, = self._numbers(sensor, 'range_max', (5.0,))
+        nearest, farthest = self._numbers(sensor, 'range', (0.0, farthest))
+        return Laser((x + dx, y + dy, yaw + within[2]), -fov / 2 if beams > 1 else 0.0, fov / 2 if beams > 1 else 0.0,
+                     beams, max(0.0, nearest), farthest)
+
+    def _angle(self, word, default):
+        found = _number(word)
+        return self._radians(found) if math.isfinite(found) else default
+
+    def _numbers(self, values, key, default):
+        """Return as many lengths [m] as the ``default`` has, which stands for those that no numbers give."""
+        words = values.get(key, [])
+        return tuple(self._metre * _finite(word, one / self._metre) for word, one in zip(
+            [*words, *[''] * len(default)], default))
 
     def floor(self, models, folder):
         """Return the Floor of the first model with an image and a size, or None."""
@@ -215,6 +284,11 @@ def _text(found):
 
 def _first(values, key):
     return next(iter(values.get(key, [])), '')
+
+
+def _finite(word, default):
+    found = _number(word)
+    return found if math.isfinite(found) else default
 
 
 def _number(word):

@@ -9,7 +9,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from ..adopting import kinds, poses, reading, robots, served
 from ..loopback import PACKAGE
 from ..process.own_parameters import INHERITED
-from . import given, programs, roles, start_poses, started, what_counts
+from . import given, look_ups, programs, roles, start_poses, started, velocities, what_counts
 
 _STAGE_ARGUMENT = 1  # of move_base_abstract_actionserver: the simulator
 _OWN_CLOCKS = ('stage_ros', 'stage', 'gazebo')
@@ -62,7 +62,10 @@ class _Adoption:
         self.settings = {}  # {name: settings} of our robots
         self.hints, self.stages = poses.hints(config)
         self.robots = robots.robots_of(config, self.hints, [
-            name for name, added in options.add.items() if given.split(added)[:2] == (PACKAGE, robots.OWN[0])])
+            name for name, added in options.add.items()
+            if given.split(added)[0] == PACKAGE and given.split(added)[1] in (robots.OWN[0], robots.OWN[2])],
+            options.real_navigation)
+        self.is_driven = any(robot.is_driven for robot in self.robots)
 
     def adopted(self):
         """Apply the rules to the nodes, the robots and what is missing, and return an Adopted."""
@@ -71,11 +74,13 @@ class _Adoption:
         replaced = self._nodes()
         self._robots()
         self._add_maps()
-        self._frames()
+        what_counts.set_frames(self)
         kept = [node for node in self.config.nodes if not self.is_out(node)]
+        velocities.prepare(self, kept)
         what_counts.add_floor(self, kept)
         what_counts.use_maps(self, kept)
-        self._stage_offsets()
+        if not self.is_driven or velocities.tells_place(self):
+            what_counts.set_stage_offsets(self)
         self._clocks(kept)
         self._fatal(kept)
         asked = self.options
@@ -83,8 +88,10 @@ class _Adoption:
             asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
             replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
-            start={**asked.start, **self.starts}, is_told=True, no_respawn=asked.no_respawn or any(
+            start={**asked.start, **self.starts}, is_told=True, real_navigation=False,
+            no_respawn=asked.no_respawn or any(
                 node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
+        options = velocities.gathered(self, options)
         return Adopted(options, *map(tuple, (self.done, self.remarks, self.problems, what_counts.unread(self))))
 
     def is_out(self, node):
@@ -112,7 +119,9 @@ class _Adoption:
             name, kind = roles.kind_of(node), _kind_of(node)
             if name in self.options.replace:
                 continue
-            if kind.word == kinds.ROBOT or kind.word == kinds.MAP and self._serves_map(node):
+            if self._stays_as_it_is(node, kind):
+                self._look_for_program(node, kinds.Kind(kinds.ELSE))
+            elif kind.word == kinds.ROBOT or kind.word == kinds.MAP and self._serves_map(node):
                 if kind.word == kinds.ROBOT or roles.program_of(node) is None:
                     replaced[name] = '{}/{}'.format(PACKAGE, word_to_type(kind.word))
                     if node.package.startswith('mbf_'):
@@ -122,6 +131,13 @@ class _Adoption:
         for old, new in replaced.items():
             self.done.append('{} replaces {}'.format(new, old))
         return replaced
+
+    def _stays_as_it_is(self, node, kind):
+        """Return whether a node that robots with goals do not need works beside those driven by velocities."""
+        keeps_navigation = self.options.real_navigation and (kind.word == kinds.ROBOT or kind.why == kinds.PLACE)
+        return keeps_navigation or self.is_driven and kind.why in (kinds.SENSES, kinds.CHOOSES) or (
+            self.is_driven and kind.word == kinds.FRAME and not _is_of_base(node)
+            and not velocities.tells_place(self))
 
     def _serves_map(self, node):
         from ..adopting import floors  # it needs numpy and Pillow, and few launch files need it
@@ -175,6 +191,8 @@ class _Adoption:
             why = 'it is a program for {}, which is not here'.format(interpreter)
         if why:
             self._leave(node, why, is_loss=True)
+        elif look_ups.is_plain_script(path):
+            self.remarks.append('{} is no executable file, and is run all the same ({})'.format(path, _place(node)))
         elif kind.why:
             self.remarks.append(
                 '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out '
@@ -200,12 +218,13 @@ class _Adoption:
                     'slashes ({}); '
                     'if an argument of the file sets it: NAME:=VALUE'.format(robot.name, robot.place))
             if robot.added:
-                self.added[robot.name] = PACKAGE + '/move_base'
+                self.added[robot.name] = '{}/{}'.format(PACKAGE, robot.name.rpartition('/')[2])
                 self.done.append('{} is added: {} ({})'.format(robot.name, robot.added, robot.place))
         if not self.robots:
             self.problems.append(
                 'this file has no robot: no node is a move_base, and nothing places one. Another file of its '
-                'package may start the navigation; --add /NAMESPACE/move_base={}/move_base adds one'.format(PACKAGE))
+                'package may start the navigation; --add /NAMESPACE/move_base={0}/move_base adds one, and --add '
+                '/NAMESPACE/velocity_robot={0}/velocity_robot one that is driven by cmd_vel'.format(PACKAGE))
 
     def _add_maps(self):
         for one in getattr(self.config, 'missing', ()):
@@ -219,7 +238,9 @@ class _Adoption:
 
     def _starts(self):
         """Return {name: pose} of the robots whose place the file gives. Note the places of all robots."""
-        found, unused = robots.starts_of(self.robots, self.hints, self.stages)
+        # a velocity robot is where its simulator had it, in the simulator's frame, unless it says its place in the map
+        is_apart = self.is_driven and not velocities.tells_place(self)
+        found, unused = robots.starts_of(self.robots, self.hints, () if is_apart else self.stages)
         starts = {}
         for start in found:
             name = start.robot.name
@@ -260,35 +281,6 @@ class _Adoption:
                 self.remarks.append('{} start at one place, ({:g}, {:g}){}: --start NODE=X,Y,YAW sets another'.format(
                     ' and '.join(same), *pose[:2], self._unless_placed()))
 
-    def _frames(self):
-        """Give each robot a tf_prefix, or a frame of its odometry, if several robots would have the same frames."""
-        values = self.values()
-        bases = [str(values.get(robot.name + '/global_costmap/robot_base_frame', 'base_link')).strip('/')
-                 for robot in self.robots]
-        for robot, base in zip(self.robots, bases if len(bases) > 1 else ()):
-            prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
-            if not prefix or {robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'} & set(values):
-                continue
-            if bases.count(base) > 1:
-                self.param[robot.name + '/tf_prefix'] = prefix
-            elif not _has_odometry(robot.name, values):
-                self.param[robot.name + '/odom_frame'] = (base.rpartition('/')[0] or prefix) + '/odom'
-
-    def _stage_offsets(self):
-        for stage in self.stages:
-            place = _place(stage.node)
-            if stage.offset is None and stage.world not in self.floors:
-                self.remarks.append("places in Stage's world count as places of the map, because it is not known where "
-                                    'the map lies there: {} ({}); --start NODE=X,Y,YAW sets others'.format(
-                                        _short(stage.why), place))
-            elif stage.offset is not None and any(stage.offset):
-                self.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
-                    *stage.offset, stage.why, place))
-                for robot in self.robots:
-                    offset = {'{}/stage_offset_{}'.format(robot.name, axis): float(value)
-                              for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value}
-                    self.param.update((key, value) for key, value in offset.items() if key not in self.config.params)
-
     def _clocks(self, kept):
         for node in kept:
             name = roles.name_of(node)
@@ -326,6 +318,7 @@ class _Adoption:
         """Return the parameters below a node's name, as the parameter server nests them: {name: value or mapping}."""
         values = self.values()
         found = {key: value for key in INHERITED for value in [served.nearest(name, key, values)] if value is not None}
+        found.update({'driven_by': 'velocities'} if name.endswith('/' + robots.OWN[2]) else {})
         for key, value in values.items():
             if key.startswith(name + '/'):
                 *above, last = key[len(name) + 1:].split('/')
@@ -380,16 +373,14 @@ def word_to_type(word):
     return 'map_server' if word == kinds.MAP else 'move_base'
 
 
-def _has_odometry(name, values):
-    """Return whether the parameters say what the frame of a robot's odometry is: not the map's."""
-    said = str(values.get(name + '/local_costmap/global_frame', '')).strip('/')
-    maps = str(values.get(name + '/global_costmap/global_frame', 'map')).strip('/')
-    return name + '/odom_frame' in values or said not in ('', maps)
-
-
 def _is_of_robots(node):
     parent, child, _pose = poses.frame_of(node) or ('', '', ())
-    return 'odom' in child and ('map' in parent or 'world' in parent) or 'base' in child and 'odom' in parent
+    return 'odom' in child and ('map' in parent or 'world' in parent) or _is_of_base(node)
+
+
+def _is_of_base(node):
+    parent, child, _pose = poses.frame_of(node) or ('', '', ())
+    return 'base' in child and 'odom' in parent
 
 
 def _short(path):

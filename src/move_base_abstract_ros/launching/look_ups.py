@@ -9,10 +9,12 @@ import os
 from typing import Any, Dict
 
 import rospkg
+from roslib import packages as packages_of_ros
 
 from ..replacing.replaced import replace
 
 programs: Dict[Any, Any] = {}  # {(package, type): path} of the programs that were found
+_tolerant = [False]  # whether scripts of Python are found, too, that their authors have not made executable
 
 
 @functools.lru_cache(maxsize=None)
@@ -24,6 +26,29 @@ def packages():
 def remember():
     """Make roslib's search for a node's program, in this process, begin with the programs that were found before."""
     replace('roslib.packages.find_node', _begin_with_known)
+
+
+def tolerate():
+    """Make the same search, from now on, find scripts of Python that are not executable. Our launcher runs them."""
+    if not _tolerant[0]:
+        _tolerant[0] = True
+        replace('roslib.packages.find_node', _also_plain)
+
+
+def _also_plain(search):
+    def find_node(package, kind, rospack=None):
+        return search(package, kind, rospack) or packages_of_ros.find_resource(
+            package, kind, is_plain_script, packages() if rospack is None else rospack)
+    return find_node
+
+
+def is_plain_script(path):
+    """Return whether a file is a script of Python, by its first line, that nobody may execute."""
+    if os.access(path, os.X_OK) or not os.path.isfile(path):
+        return False
+    with open(path, 'rb') as stream:
+        first = stream.readline(200)
+    return first.startswith(b'#!') and b'python' in first
 
 
 def _begin_with_known(search):

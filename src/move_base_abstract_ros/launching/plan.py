@@ -98,6 +98,8 @@ def read(files, is_tolerant=False):
 
     :raises roslaunch.core.RLException: if roslaunch cannot read them.
     """
+    if is_tolerant:
+        look_ups.tolerate()
     loader = _TolerantLoader() if is_tolerant else _Loader()
     config = roslaunch.config.load_config_default(files, None, loader=loader, verbose=False)
     if is_tolerant and config.taken:

@@ -10,7 +10,7 @@ import textwrap
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import error
 
-from ..adopting import poses, robots, served
+from ..adopting import poses, reading, robots, served
 from ..loopback import PACKAGE
 from . import given, roles
 
@@ -22,8 +22,8 @@ def use_maps(adoption, kept):
     maps = _served(adoption, kept)
     used, ground_of = {}, _ground_of()
     for robot, node in adoption.ours(kept) if maps else ():
-        if node is not None and node.type == robots.OWN[1]:
-            continue  # the original package's program looks at no map
+        if robot.is_driven or node is not None and node.type == robots.OWN[1]:
+            continue  # the walls of velocity robots are found elsewhere; the original package's program looks at no map
         try:
             one, settings, why = _used(adoption, robot, node, maps)
         except ConfigurationError:
@@ -39,7 +39,7 @@ def use_maps(adoption, kept):
             'for all robots'.format(_all(names), 's' * (len(names) == 1), one.name, how, names[0]))
     _say_floors(adoption, used)
     for one in maps:
-        if used and one not in [chosen for chosen, _how in used]:
+        if used and not adoption.is_driven and one not in [chosen for chosen, _how in used]:
             adoption.remarks.append('no robot uses the map of {} on {}'.format(one.name, one.topic))
 
 
@@ -94,7 +94,7 @@ def take_planners(adoption, node):
 
 def add_floor(adoption, kept):
     """Serve the floor plan of Stage's world, if the file serves no map and does not say where the map's frame is."""
-    if _served(adoption, kept):
+    if _served(adoption, kept) or adoption.is_driven:
         return
     for stage in adoption.stages:
         name = stage.node.namespace + 'map_server'
@@ -108,6 +108,47 @@ def add_floor(adoption, kept):
         adoption.floors[stage.world] = name
         adoption.added[name] = '{}/map_server {}'.format(PACKAGE, shlex.quote(stage.world))
         return
+
+
+def set_frames(adoption):
+    """Give each robot a tf_prefix, or a frame of its odometry, if several robots would have the same frames."""
+    values = adoption.values()
+    by_goals = [robot for robot in adoption.robots if not robot.is_driven]
+    bases = [str(values.get(robot.name + '/global_costmap/robot_base_frame', 'base_link')).strip('/')
+             for robot in by_goals]
+    for robot, base in zip(by_goals, bases if len(bases) > 1 else ()):
+        prefix = robot.namespace.strip('/') or next(iter(sorted(robot.names)), '')
+        if not prefix or {robot.name + '/tf_prefix', robot.namespace + 'tf_prefix'} & set(values):
+            continue
+        if bases.count(base) > 1:
+            adoption.param[robot.name + '/tf_prefix'] = prefix
+        elif not _has_odometry(robot.name, values):
+            adoption.param[robot.name + '/odom_frame'] = (base.rpartition('/')[0] or prefix) + '/odom'
+
+
+def _has_odometry(name, values):
+    """Return whether the parameters say what the frame of a robot's odometry is: not the map's."""
+    said = str(values.get(name + '/local_costmap/global_frame', '')).strip('/')
+    maps = str(values.get(name + '/global_costmap/global_frame', 'map')).strip('/')
+    return name + '/odom_frame' in values or said not in ('', maps)
+
+
+def set_stage_offsets(adoption):
+    """Tell robots in the frame of a map where it lies in Stage's world, or the user that nobody knows."""
+    for stage in adoption.stages:
+        place = stage.node.filename or ''
+        if stage.offset is None and stage.world not in adoption.floors:
+            adoption.remarks.append(
+                "places in Stage's world count as places of the map, because it is not known where the map lies there: "
+                '{} ({}); --start NODE=X,Y,YAW sets others'.format(stage.why.replace(reading.NOT_INSTALLED, ''), place))
+        elif stage.offset is not None and any(stage.offset):
+            adoption.done.append("the map's frame is at ({:g}, {:g}, {:g}) in Stage's world, {} ({})".format(
+                *stage.offset, stage.why, place))
+            for robot in adoption.robots:
+                offset = {'{}/stage_offset_{}'.format(robot.name, axis): float(value)
+                          for axis, value in zip(('x', 'y', 'yaw'), stage.offset) if value}
+                adoption.param.update(
+                    (key, value) for key, value in offset.items() if key not in adoption.config.params)
 
 
 def _say_floors(adoption, used):
