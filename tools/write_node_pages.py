@@ -23,6 +23,7 @@ NODES = DOCS / 'nodes'
 
 from move_base_abstract.common.errors import ConfigurationError  # noqa: E402
 from move_base_abstract.config import node_tables, robot_table, settings  # noqa: E402
+from move_base_abstract.driving import settings as driving  # noqa: E402
 from move_base_abstract.energy import battery  # noqa: E402
 from move_base_abstract.faults import buggify, failures  # noqa: E402
 from move_base_abstract.fleet import robot_rows  # noqa: E402
@@ -49,6 +50,7 @@ def _robot(*beginnings):
 
 #: tables within pages, {name: Parameters}
 WITHIN = {'durations': durations.TABLE, 'failures': failures.TABLE, 'buggify': buggify.TABLE, 'battery': battery.TABLE,
+          'driving': driving.TABLE,
           'laser': laser.TABLE, 'stage': _robot('stage_'), 'gazebo': _robot('gazebo_'),
           'map': _robot('use_map', 'map_topic', 'allow_')}
 _LOCKSTEP = ('Of every node that takes part in lockstep', node_parameters.TABLE)

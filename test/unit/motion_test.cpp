@@ -33,8 +33,8 @@ TEST(Motion, PosesAndVelocitiesAreThoseOfTheTable) {
       const auto now = asked[0].get<Nanoseconds>();
       const Pose pose = motion.poseAt(now);
       const Velocity velocity = motion.velocityAt(now);
-      const double found[] = {pose.x, pose.y, pose.yaw, velocity.forward, velocity.lateral,
-                              velocity.turning};
+      const double found[] = {pose.x,           pose.y,           pose.yaw,
+                              velocity.forward, velocity.lateral, velocity.turning};
       for (std::size_t k = 0; k < 6; ++k) {
         const double expected = asked[k + 1].get<double>();
         EXPECT_LE(std::fabs(found[k] - expected), error * std::max(1.0, std::fabs(expected)))

@@ -1,8 +1,9 @@
 """Pieces of motion: the table of cases that holds the evaluators in Python, C++ and JavaScript to one another.
 
 A case is a motion: its pieces in order, and rows of [instant (ns), x, y, yaw, forward and lateral speed, turn rate]
-that hold then. Where ``exp`` takes no part, each bit counts. Its last bit may differ between machines. ``python3 THIS_FILE`` writes the
-cases of the laws of motion anew, if a law changes on purpose; the others were made by hand and by chance.
+that hold then. Where ``exp`` takes no part, each bit counts. Its last bit may differ between machines. ``python3
+THIS_FILE`` writes the cases of the laws of motion anew, if a law changes on purpose; the others were made by hand and
+by chance.
 """
 import json
 import math

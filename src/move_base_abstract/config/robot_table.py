@@ -18,6 +18,7 @@ from ..common.kinds import (
     string,
 )
 from ..common.parameter_table import Parameter
+from ..driving.settings import TABLE as DRIVING
 from ..energy.battery import TABLE as BATTERY
 from ..faults.buggify import TABLE as BUGGIFY
 from ..faults.failures import TABLE as FAILURES
@@ -148,6 +149,7 @@ TABLE = (
     Parameter('base_global_planner', upstream.DEFAULT_GLOBAL_PLANNER, string('the name of a plugin'),
               'The last part of this name is used for topics and a service.'),
     Parameter('seed', 0, integer(0), 'Seed of all draws for the robot.'),
+    *DRIVING,
     *DURATIONS,
     *FAILURES,
     *BUGGIFY,

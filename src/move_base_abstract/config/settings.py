@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 from ..common.errors import ConfigurationError
 from ..common.kinds import FLAG, FRAME, error, number
 from ..common.parameter_table import Parameter, checked, place_of, read_table, unknown_names
+from ..driving.settings import DriveSettings, read_drive
 from ..energy.battery import BatterySettings, read_battery
 from ..faults.buggify import Buggify, read_buggify
 from ..faults.failures import Failures, read_failures
@@ -82,6 +83,8 @@ class RobotSettings:
     buggify: Optional[Buggify] = None
     #: the robot's battery; None: it has none, and needs no energy
     battery: Optional[BatterySettings] = None
+    #: how it is driven by velocities; None: it travels to goals
+    drive: Optional[DriveSettings] = None
     #: the robot's laser scanner
     laser: LaserSettings = LaserSettings()
     #: how legs begin and end; None: as in Leg
@@ -160,7 +163,7 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, plan_tolerance=plan_tolerance, network=network, durations=read_durations(values, where),
         failures=read_failures(values, where), buggify=read_buggify(values), battery=read_battery(values),
-        laser=read_laser(values, where),
+        laser=read_laser(values, where), drive=read_drive(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     if values['compatible_with'] is not None:

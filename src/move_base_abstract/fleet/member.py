@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Optional
 
 from ..common.arguments import as_float, check_kind
 from ..common.errors import ConfigurationError, FrameError
+from ..common.kinds import error
 from ..common.parameter_table import checked
+from ..driving.settings import GOALS, VELOCITIES
 from ..energy.battery import STATE_OF_CHARGE
 from ..faults.failures import KINDS, REQUEST, check_request
 from ..goals.activity import activity
@@ -24,6 +26,7 @@ from .robot_parts import make_planner, make_robot_parts
 from .robot_rows import tell_start
 
 if TYPE_CHECKING:
+    from ..driving.driver import Driver
     from ..energy.battery import Battery
     from ..faults.condition import Condition
     from ..faults.failing import Failing
@@ -72,6 +75,7 @@ class Member:
         self._robot, self._ledger = parts.robot, parts.ledger
         self.navigator: Navigator = parts.navigator
         self.condition: Condition = parts.condition
+        self._driver: Optional[Driver] = parts.driver
         fleet.surroundings.add(self._robot, values['global_frame'], settings.costmaps.global_footprint)
         self._laser: Optional[Laser] = None
         self._tasks: Optional[PlaceTaskRunner] = None
@@ -130,6 +134,22 @@ class Member:
         self.navigator.receive(goal_id, 0, goal, now_ns)
         return goal_id
 
+    def drive(self, forward: float, turning: float = 0.0, lateral: float = 0.0) -> None:
+        """Drive with these speeds [m/s] and this turn rate [rad/s] from now on, until the watchdog stops the robot.
+
+        :raises ConfigurationError: if the robot is not driven by velocities, or a number is not allowed.
+        """
+        now_ns, driver = self._now_ns(), self._driver
+        if driver is None:
+            raise error(f'{self._words()}: driven_by', GOALS, f'{VELOCITIES}, for a robot that is to drive() so')
+        speeds = as_float(forward, 'forward'), as_float(lateral, 'lateral'), as_float(turning, 'turning')
+        if lateral and not driver.settings.holonomic:
+            raise error(f'{self._words()}: lateral', lateral, '0; with holonomic: true any speed')
+        try:
+            driver.command(*speeds, now_ns)
+        except ValueError as fault:
+            raise ConfigurationError(f'{self._words()}: {fault}') from None
+
     def cancel(self, goal_id: str = '') -> None:
         """Cancel the goal ``goal_id``, or, without an id, whatever goal the robot has."""
         check_kind(goal_id, str, 'goal_id')
@@ -153,9 +173,9 @@ class Member:
         self._worker().cancel(goal_id, 0, now_ns)
 
     def place(self, pose: Pose2D) -> None:
-        """Put the robot at ``pose`` (global frame) at once. If it has a goal, it goes on from there."""
+        """Put the robot at ``pose`` (global frame) at once. If it has a goal or a velocity, it goes on from there."""
         check_kind(pose, Pose2D, 'pose')
-        self.navigator.travel.place(pose, self._now_ns())
+        (self.navigator.travel.place if self._driver is None else self._driver.teleport)(pose, self._now_ns())
 
     def hold(self, reason: str) -> None:
         """Have the robot stand where it is, with its goal active, for ``reason``, until :meth:`release`."""
@@ -277,6 +297,8 @@ class Member:
         if self._tasks is not None:
             self._tasks.shut_down(ROBOT_REMOVED, now_ns)
         self.condition.close()
+        if self._driver is not None:
+            self._driver.close()
         self.navigator.close(ROBOT_REMOVED, now_ns)
         if self._traveller is not None:
             self._traveller.leave(now_ns)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Sequence,
 
 from ..common.errors import ConfigurationError
 from ..common.units import seconds_to_ns
+from ..driving.driver import Driver
 from ..energy.battery import Battery
 from ..engine.chance import Chance
 from ..faults.buggify import Buggifying
@@ -14,6 +15,7 @@ from ..faults.failures import ABORT, Failures
 from ..goals.events import Beyond
 from ..goals.ledger import GoalLedger
 from ..goals.navigator import Navigator
+from ..goals.outcome import DRIVEN_BY_VELOCITIES
 from ..maps.planning import StraightLinePlanner
 from ..maps.travel_matrix import MatrixPlanner
 from ..motion.attempts import GoalAttempts
@@ -34,13 +36,17 @@ if TYPE_CHECKING:
 
 
 class RobotParts(NamedTuple):
-    """The robot, its frames, the ledger of its goals, the navigator that works on them, and the robot's condition."""
+    """The robot, its frames, the ledger of its goals, the navigator that works on them, and the robot's condition.
+
+    ``driver``: the Driver of a robot that is driven by velocities, otherwise None.
+    """
 
     robot: Robot
     frames: RobotFrames
     ledger: GoalLedger
     navigator: Navigator
     condition: Condition
+    driver: Optional[Driver] = None
 
 
 def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation: Simulation, stream: Stream,
@@ -67,6 +73,7 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
                           settings.bad_frame_policy, settings.recovery, durations,
                           seconds_to_ns(values['longest_wait']))
     simulation.queue.guard(index, navigator.break_off)
+    driver = _driver(settings, navigator, simulation, stream)
     failing: Any = None
     if settings.failures is not None or settings.buggify is not None:
         failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation,
@@ -79,7 +86,15 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
     if settings.battery is not None:
         battery = Battery(settings.battery, robot, navigator, simulation, tuple(zones), stream)
     meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
-    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)))
+    return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)),
+                      driver)
+
+
+def _driver(settings: RobotSettings, navigator: Navigator, simulation: Simulation, stream: Stream) -> Optional[Driver]:
+    if settings.drive is None:
+        return None
+    navigator.takes_none = DRIVEN_BY_VELOCITIES
+    return Driver(settings.drive, navigator, simulation, stream)
 
 
 def _durations(settings: RobotSettings, name: str, planner: StraightLinePlanner,

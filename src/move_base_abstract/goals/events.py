@@ -73,9 +73,11 @@ class GoalTaken(NamedTuple):
     goal_id: str
 
 
-@written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'))
+@written(RowKind('departed', 'x, y, yaw of the goal',
+                 'the robot departs for its goal. A robot that is [driven by velocities](velocity_robots.md) has this '
+                 'row whenever its velocity changes, with its own pose'))
 class Departed(NamedTuple):
-    """The robot departs for the goal ``x``, ``y``, ``yaw``."""
+    """The robot departs for the goal ``x``, ``y``, ``yaw``; driven by velocities, it departs from there."""
 
     time_ns: int
     robot: str
@@ -124,6 +126,17 @@ class Ended(NamedTuple):
     text: str
     stamp_ns: int
     state: GoalState
+
+
+@written(RowKind('stalled', 'by',
+                 'the robot, which is driven by velocities, touches a wall (`wall`) or the robot of this name, and '
+                 'stands until a command leads away'))
+class Stalled(NamedTuple):
+    """The robot has come to a wall or another robot; ``by``: see :mod:`.driver`."""
+
+    time_ns: int
+    robot: str
+    by: str
 
 
 class Aimed(NamedTuple):

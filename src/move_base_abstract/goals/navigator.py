@@ -48,7 +48,7 @@ class Navigator:
 
     __slots__ = ('robot', 'planner', '_agenda', 'travel', 'longest_wait_ns', '_bad_frame_policy', '_recovery_policy',
                  '_durations', '_simulation', '_ledger', '_frames', '_tell', '_hearers', 'feedback',
-                 '_starts_from_idle', '_refusals', '_unheard', 'goal_number', '__weakref__')
+                 '_starts_from_idle', '_refusals', '_unheard', 'goal_number', 'takes_none', '__weakref__')
 
     def __init__(self, robot: Robot, simulation: Simulation, ledger: GoalLedger, frames: RobotFrames, stream: Stream,
                  client: GoalClient, planner: StraightLinePlanner = StraightLinePlanner(),
@@ -74,6 +74,8 @@ class Navigator:
         self.feedback = GoalFeedback(robot, simulation, ledger, client)
         self._starts_from_idle = True
         self._refusals: Dict[str, Outcome] = {}
+        #: the Outcome of each goal of a robot that takes none, whatever it does; None: it takes goals
+        self.takes_none: Optional[Outcome] = None
         self._unheard: Deque[Callable[[int], object]] = deque(maxlen=_UNHEARD)
         self.goal_number = 0  # the number of goals that the robot has begun to work on
 
@@ -85,6 +87,11 @@ class Navigator:
     def is_active(self) -> bool:
         """Whether the robot has a goal."""
         return self._ledger.active is not None
+
+    @property
+    def must_stand(self) -> bool:
+        """Whether the robot is held, or refuses goals for a reason that will end."""
+        return bool(self.travel.held_for or self._refusals)
 
     def receive(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
@@ -102,6 +109,9 @@ class Navigator:
 
     def _work_on(self, goal: GoalPose, now_ns: int) -> None:
         """Begin to work on ``goal``, which the ledger has accepted."""
+        if self.takes_none is not None:
+            self._ledger.finish(self.takes_none, now_ns)
+            return
         if self._durations is not None:
             self._durations.next_goal()
         self.goal_number += 1
@@ -253,9 +263,9 @@ class Navigator:
 
     @guarded
     def shut_down(self, outcome: Outcome, now_ns: int) -> None:
-        """End the active goal, if any, with ``outcome``."""
+        """Stop the robot, and end the active goal, if any, with ``outcome``."""
+        self.travel.halt(now_ns)
         if self.is_active:
-            self.travel.halt(now_ns)
             self.end(outcome, now_ns)
 
     def close(self, outcome: Outcome, now_ns: int) -> None:

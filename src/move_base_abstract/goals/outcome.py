@@ -47,6 +47,9 @@ ROBOT_RESET = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot
 BATTERY_EMPTY = Outcome(GoalState.ABORTED, 'Aborting on the goal because the battery is empty')
 FAILED = Outcome(GoalState.ABORTED, 'Aborting on the goal because the robot has failed')
 
+DRIVEN_BY_VELOCITIES = Outcome(
+    GoalState.ABORTED, 'The robot is driven by velocities and takes no goals: send commands to cmd_vel or, in Python, '
+    'by drive(); with driven_by: goals it travels to goals', stops_wheels=False)
 CLOCK_RESTARTED = Outcome(GoalState.ABORTED, 'Aborting on the goal because simulated time has started anew')
 
 

@@ -176,7 +176,7 @@ class Travel:
                 self._durations.interrupted(leg, now_ns)
             self._agenda.clear()
             self.halt(now_ns)
-            self.waits_for_release = True
+            self.waits_for_release = self.target is not None
 
     @guarded
     def release(self, reason: str, now_ns: int) -> None:

@@ -125,13 +125,17 @@ class Robot:
         if paced is not None:
             leg = paced(leg)
             check_reachable(leg.arrive_ns, 'the arrival would be')
+        self.set_off(leg, now_ns)
+        return leg
+
+    def set_off(self, motion: Motion, now_ns: int) -> None:
+        """Travel ``motion``, which begins at ``now_ns`` [ns] at the robot's pose."""
         if self.leg is not None:
             self._driven += self.leg.distance_at(now_ns)
-        self._motion = self.leg = leg
-        self._past.append(leg)
+        self._motion = self.leg = motion
+        self._past.append(motion)
         if self._followers:
             self._tell_followers(now_ns)
-        return leg
 
     def stop(self, now_ns: int) -> Pose2D:
         """Stand still from ``now_ns`` [ns] on; return the exact pose at that instant."""

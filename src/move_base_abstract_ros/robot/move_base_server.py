@@ -123,7 +123,7 @@ class MoveBaseServer:
                                  self._goal_server, self._lookup.lookup, make_planner(settings, self._map.check),
                                  self._host.zones, encounters=self._host.encounters,
                                  patience_ns=lambda: self._clock.patience_ns(values['frame_timeout']))
-        robot, self._frames, self._ledger, self.navigator, self.condition = parts
+        robot, self._frames, self._ledger, self.navigator, self.condition, self.driver = parts
         self._host.timing.tell_motion(robot, robot_index)
         tell_start(self._stream, robot, settings.durations, self._clock.look_ns())
         self.navigator.feedback.set_frequency(values['feedback_freq'])
