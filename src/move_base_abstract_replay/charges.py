@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .world import World
 
 _TOLD = ('battery', 'charge')  # the kinds of rows that contain the charge
-_KINDS = (*_TOLD, 'departed', 'stands', 'charging_began', 'charging_ended')
+_KINDS = (*_TOLD, 'departed', 'driven', 'stands', 'charging_began', 'charging_ended')
 
 
 class Charges:
@@ -52,7 +52,7 @@ class Charges:
                 meter.set(time_ns, float(values[0]))
             return
         meter.settle(time_ns)
-        meter.drives = kind == 'departed' or (meter.drives and kind != 'stands')
+        meter.drives = kind in ('departed', 'driven') or (meter.drives and kind != 'stands')
         if kind == 'charging_began':
             current = self._currents.get(values[0]) if values and isinstance(values[0], str) else None
             meter.charge(current)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 #: the kinds of events that say where a robot is, and how many numbers such an event has; pieces: any number
-_COUNTS = {'motion': 8, 'departed': 3, 'pieces': 0, 'stands': 3}
+_COUNTS = {'motion': 8, 'departed': 3, 'driven': 6, 'pieces': 0, 'stands': 3}
 _CLOSE = 1e-6  # m, and rad; a leg may end this far from the end in the log
 
 
@@ -76,6 +76,8 @@ class Motions:
     def _departed(self, track: Track, time_ns: int, _goal: List[float]) -> None:
         self._close(track, time_ns, None)
         track.departed_ns, track.told = time_ns, None
+
+    _driven = _departed
 
     @staticmethod
     def _pieces(track: Track, time_ns: int, told: ToldMotion) -> None:

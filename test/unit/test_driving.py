@@ -124,14 +124,14 @@ def test_the_watchdog_stops_the_robot_to_the_nanosecond_and_0_stands_for_never()
         fleet = fleet_of(**({} if timeout is None else {name: timeout}))
         fleet.robot('r').drive(1.0)
         fleet.run()
-        assert rows(fleet, 'departed', 'stands') == [(0, 'departed'), (int((timeout or 0.5) * S), 'stands')]
+        assert rows(fleet, 'driven', 'stands') == [(0, 'driven'), (int((timeout or 0.5) * S), 'stands')]
         assert fleet.robot('r').pose == Pose2D(timeout or 0.5)
     fleet = fleet_of(base_watchdog_timeout=0.0)
     fleet.robot('r').drive(1.0, 0.5)
     fleet.run()  # ends, though the robot drives on
     assert fleet.now_ns == 0
     fleet.run(150 * S)
-    assert rows(fleet, 'departed') == [(number * HORIZON_NS, 'departed') for number in range(3)]
+    assert rows(fleet, 'driven') == [(number * HORIZON_NS, 'driven') for number in range(3)]
     pose = fleet.robot('r').pose
     assert (pose.x, pose.y) == pytest.approx((2.0 * math.sin(75.0), 2.0 - 2.0 * math.cos(75.0)), abs=1e-9)
     assert fleet.robot('r').distance == pytest.approx(150.0)
@@ -154,8 +154,8 @@ def test_a_command_at_the_instant_of_the_watchdog_comes_after_it_and_counts_alon
     fleet.run(500 * MS)
     fleet.robot('r').drive(1.0)
     fleet.run()
-    assert rows(fleet, 'departed', 'stands') == [
-        (0, 'departed'), (500 * MS, 'stands'), (500 * MS, 'departed'), (S, 'stands')]
+    assert rows(fleet, 'driven', 'stands') == [
+        (0, 'driven'), (500 * MS, 'stands'), (500 * MS, 'driven'), (S, 'stands')]
     assert fleet.robot('r').pose == Pose2D(1.0)
 
 
@@ -165,8 +165,8 @@ def test_commands_that_change_nothing_make_no_row():
         fleet.run(number * 100 * MS)
         fleet.robot('r').drive(0.3, 0.1)
     fleet.run()
-    assert rows(fleet, 'departed', 'pieces', 'stands') == [
-        (0, 'departed'), (0, 'pieces'), (9900 * MS + 500 * MS, 'stands')]
+    assert rows(fleet, 'driven', 'pieces', 'stands') == [
+        (0, 'driven'), (0, 'pieces'), (9900 * MS + 500 * MS, 'stands')]
 
 
 def test_an_acceleration_is_limited_in_steps_of_the_control_period():
@@ -194,7 +194,7 @@ def test_a_long_ramp_goes_on_in_parts():
     assert velocity(fleet)[0] == 9.0
     steps = [0.005 * number for number in range(1, 1801)]
     assert fleet.robot('r').distance == pytest.approx(0.01 * sum(steps) + 9.0 * (30.0 - 18.0))
-    assert len(rows(fleet, 'departed')) == 2
+    assert len(rows(fleet, 'driven')) == 2
 
 
 @pytest.mark.parametrize('kind', ['abort', 'stuck', 'silent'])
@@ -288,8 +288,8 @@ def test_a_robot_that_stalls_stands_until_a_command_leads_away():
     fleet.robot('r').drive(1.0)
     fleet.run()
     assert not driver.is_stalled and fleet.robot('r').pose == Pose2D(0.6)
-    assert rows(fleet, 'departed', 'stands', 'stalled') == [
-        (0, 'departed'), (100 * MS, 'stands'), (100 * MS, 'stalled'), (200 * MS, 'departed'), (700 * MS, 'stands')]
+    assert rows(fleet, 'driven', 'stands', 'stalled') == [
+        (0, 'driven'), (100 * MS, 'stands'), (100 * MS, 'stalled'), (200 * MS, 'driven'), (700 * MS, 'stands')]
 
 
 def test_the_end_of_the_plane_stalls():

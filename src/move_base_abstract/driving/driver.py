@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, List, Optional
 
 from ..engine.alarm import Alarm
-from ..goals.events import Departed, Drives, Stalled, Stands
+from ..goals.events import Driven, Drives, Stalled, Stands
 from .drive_motion import HORIZON_NS, REST, DriveMotion, Step, Twist, steps_towards
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Driver:
         self._end.set(motion.arrive_ns, self._reach_end)
         self.robot.set_off(motion, now_ns)
         pose, name = motion.start, self.robot.name
-        self._tell(Departed(now_ns, name, 'departed', pose.x, pose.y, pose.yaw))
+        self._tell(Driven(now_ns, name, pose.x, pose.y, pose.yaw, *self._wanted))
         if Drives in self._hearers:
             self._tell(Drives(now_ns, name, motion))
 

@@ -73,11 +73,9 @@ class GoalTaken(NamedTuple):
     goal_id: str
 
 
-@written(RowKind('departed', 'x, y, yaw of the goal',
-                 'the robot departs for its goal. A robot that is [driven by velocities](velocity_robots.md) has this '
-                 'row whenever its velocity changes, with its own pose'))
+@written(RowKind('departed', 'x, y, yaw of the goal', 'the robot departs for its goal'))
 class Departed(NamedTuple):
-    """The robot departs for the goal ``x``, ``y``, ``yaw``; driven by velocities, it departs from there."""
+    """The robot departs for the goal ``x``, ``y``, ``yaw``."""
 
     time_ns: int
     robot: str
@@ -87,11 +85,27 @@ class Departed(NamedTuple):
     yaw: float
 
 
+@written(RowKind('driven', 'x, y, yaw of the robot, speed ahead, sideways, turn rate',
+                 'the robot, which is [driven by velocities](velocity_robots.md), drives towards this velocity from '
+                 'now on'))
+class Driven(NamedTuple):
+    """The robot is at ``x``, ``y``, ``yaw`` and drives towards another twist [m/s, m/s, rad/s] from now on."""
+
+    time_ns: int
+    robot: str
+    x: float
+    y: float
+    yaw: float
+    forward: float
+    lateral: float
+    turning: float
+
+
 @written(RowKind('pieces', '[begin [ns], x, y, yaw, ux, uy, v, a, w, k], ...',
-                 'after `departed`: the [pieces](move_base.md#pieces-of-a-motion) of the leg, the last one at rest at '
-                 'its end', True))
+                 'after `departed` and `driven`: the [pieces](move_base.md#pieces-of-a-motion) of the leg, the last '
+                 'one at rest at its end', True))
 class Drives(NamedTuple):
-    """The robot travels ``leg``, for whose goal it has departed."""
+    """The robot travels ``leg``, on which it has departed."""
 
     time_ns: int
     robot: str

@@ -47,7 +47,7 @@ class State(NamedTuple):
 #: in the order in which they are shown
 STATES = (
     State('driving', 10, 'from its departure until it stands', ('#2f74c0', '#6ba8ec', '#2f74c0'),
-          (Cause('leg', ('departed',), ('stands',)),)),
+          (Cause('leg', ('departed', 'driven'), ('stands',)),)),
     State('working', 20, 'while it does a task', ('#23906a', '#55bd94', '#23906a'),
           (Cause('task', ('task_began',), ('task_ended',), True),)),
     State('waiting', 30, 'while it stands with a goal, in the queue of a place, or for a charger',

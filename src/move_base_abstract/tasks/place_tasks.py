@@ -9,7 +9,7 @@ from ..common.shown import shown_text
 from ..common.units import NS_PER_S, check_reachable
 from ..engine.chance import Chance, Purpose
 from ..engine.guard import attempt_each, fault_text, guarded
-from ..goals.events import EMPTY, ChargePassed, Departed, Failed, Stands
+from ..goals.events import EMPTY, ChargePassed, Departed, Driven, Failed, Stands
 from ..goals.ledger import GoalLedger
 from ..goals.outcome import BATTERY_EMPTY, CANCELLED, CLOCK_RESTARTED, FAILED, GoalState, Outcome, aborted
 from ..goals.task_events import LoadChanged, TaskBegan, TaskWaited, TaskWaits, WorksAt
@@ -59,7 +59,7 @@ class PlaceTaskRunner:
         self._chance: Optional[Chance] = None
         self._tell = stream.tell
         if robot is not None:
-            stream.subscribe('tasks', {Departed: self._moved, Stands: self._moved, Failed: self._failed,
+            stream.subscribe('tasks', {**dict.fromkeys((Departed, Driven, Stands), self._moved), Failed: self._failed,
                                        ChargePassed: self._charge_passed})
         self._number = 0
         self._task: Any = None  # a Task
@@ -183,7 +183,7 @@ class PlaceTaskRunner:
         self.ledger.finish(DONE, due_ns)
 
     @guarded
-    def _moved(self, event: Union[Departed, Stands]) -> None:
+    def _moved(self, event: Union[Departed, Driven, Stands]) -> None:
         """Note that the robot has departed or stands elsewhere: if that is too far away, its task ends."""
         if self._task is not None and self.ledger.active is not None and self._distance_fault(self._task):
             self.shut_down(LEFT, event.time_ns)

@@ -9,6 +9,7 @@ from ..goals.events import Abandoned, BrokenOff, Stands, Warned, new
 from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
 from .area import Area, Request
 from .circles import Circles
+from .drives import next_change
 from .outline import BORDER
 from .rules import DeadlockPolicy
 from .safe_states import needs_of
@@ -70,6 +71,8 @@ class Traveller:
         self.circles: Circles = Circles(self, traffic.rules.policy, navigator, stream)
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
+        if navigator.takes_none is not None:
+            navigator.robot.follow(self._drives)
         navigator.travel.set_gate(self)
         navigator.travel.limited = traffic.limited
 
@@ -161,6 +164,22 @@ class Traveller:
             self._take_what_holds_it(now_ns, pose)
             self._traffic.serve(now_ns)
 
+    def _drives(self, now_ns: int) -> None:
+        """Note that the robot, which is driven by velocities, has begun another motion, or stands."""
+        self._forget_crossings()
+        leg = self.navigator.robot.leg
+        found = None if leg is None else next_change(leg, self._traffic.zones, self.held, now_ns)
+        if found is not None:
+            due_ns, area = found
+            self._event = self._traffic.simulation.queue.schedule(
+                due_ns, _LEAVING_INDEX if area in self.held else self.place, self._passes_border)
+
+    def _passes_border(self, due_ns: int, _now_ns: int) -> None:
+        """Hold places where the robot is now: driven by velocities, it waits for none."""
+        self._event = None
+        self.placed(due_ns)
+        self._drives(due_ns)
+
     def set_priority(self, priority: int, now_ns: int) -> None:
         """Give the robot another priority from ``now_ns`` [ns] on, also where it waits already."""
         if priority == self.priority:
@@ -181,7 +200,7 @@ class Traveller:
     def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
         """Go on by the new limit of a zone [m/s], if the present way has not left the zone yet."""
         leg = self.navigator.robot.leg
-        if leg is None:
+        if leg is None or self.navigator.takes_none is not None:
             return
         driven = leg.distance_at(now_ns) + BORDER
         if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in self.stays(leg)):

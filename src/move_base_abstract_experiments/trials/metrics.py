@@ -28,7 +28,7 @@ Place = Optional[Tuple[float, float]]  # (x, y) [m]; None: not known
 Starts = Dict[str, Place]  # {robot: where it stands at the start}
 _NS_PER_S = 1e9  # dividing by it rounds once
 #: the kinds of rows about a robot's place, see goals.events
-PLACES = ('motion', 'departed', 'pieces', 'stands')
+PLACES = ('motion', 'departed', 'driven', 'pieces', 'stands')
 #: the keys of times that each robot has; those of other states are there if any robot was in them
 _COMMON = ('moving_s', 'idle_s', 'waiting_s')
 ROBOT_VALUES = ('goals', 'distance_m', *(state.key for state in STATES))
@@ -71,7 +71,10 @@ class _Odometer:
 
     def take(self, time_ns: int, kind: str, values: Sequence[Any]) -> None:
         """Take a row of one of the PLACES."""
-        if kind == 'departed':
+        if kind == 'driven':
+            self._stand(time_ns, (values[0], values[1]))
+            self.departed_ns = time_ns
+        elif kind == 'departed':
             if self.motion is not None:  # for another goal, on its way
                 pose = self.motion.pose_at(time_ns)
                 self._stand(time_ns, (pose.x, pose.y))

@@ -37,6 +37,8 @@ function messageText(kind, values) {
 const EVENT_TEXTS = {
   goal: (v) => `gets the goal ${v[0]}`,
   departed: (v) => `departs for ${place(...v)}`,
+  driven: (v) => `drives with ${v[3]} m/s${v[4] ? `, ${v[4]} m/s to the left` : ''}, turns with ${v[5]} rad/s`,
+  stalled: (v) => `stalls at ${v[0]}`,
   pieces: (v) => `drives in ${v[0]} pieces`,
   stands: (v) => `stands at ${place(...v)}`,
   ended: (v) => `goal ${v[1]}${v[2] ? ` · ${v[2]}` : ''} · ${v[0]}`,
