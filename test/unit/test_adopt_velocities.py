@@ -267,3 +267,14 @@ def test_the_user_can_have_a_robot_with_goals_or_one_that_nothing_places(package
     assert '--add /NAMESPACE/velocity_robot=move_base_abstract/velocity_robot' in adopt(empty).problems[0]
     own = adopt(empty, add={'/r/velocity_robot': 'move_base_abstract/velocity_robot'})
     assert own.problems == () and isinstance(own, adoption.Adopted)
+
+
+def test_a_world_that_its_author_names_by_a_path_of_his_own_is_taken_from_its_package(package, tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '{}:{}'.format(os.environ['ROS_PACKAGE_PATH'], tmp_path / 'src'))
+    package('worlds/two.world', 'include "/home/x/ws/src/of_a_stranger/worlds/robots.inc" rob ( pose [ 1 2 0 0 ] )')
+    package('worlds/robots.inc', 'define rob position ( size [ 1 1 1 ] )')
+    made = adopt(package('one.launch', """<launch><node pkg="stage_ros" type="stageros" name="s"
+      args="/root/catkin_ws/src/of_a_stranger/worlds/two.world"/></launch>"""))
+    assert dict(made.options.start) == {'/velocity_robot': (1.0, 2.0, 0.0)}
+    assert made.options.param['/velocity_robot/footprint'][0] == [-0.5, -0.5]
+    assert any("two.world is taken for Stage's world" in remark for remark in made.remarks)

@@ -14,7 +14,7 @@ from move_base_abstract_testing import settings
 
 RUN = RunOptions(
     participant=('/a',), onlooker=('/b', '/c/d'), leave_out=('/rviz',), replace={'a/b': 'c/d'}, adopt=True,
-    real_navigation=True, tolerant=True, start={'/r/move_base': (1.0, -2.5, 1e-7)},
+    real_navigation=True, python2=('old',), tolerant=True, start={'/r/move_base': (1.0, -2.5, 1e-7)},
     param={'/a': [1, 2.5, 'x y'], '/b/c': '', '/d': {'e': '5', 'f': False}},
     add={'/map': "map_server/map_server 'a b.yaml'"}, node_args={'/n': '--x=3 y'}, no_respawn=True, until=60.0, seed=-4,
     sleep='simulated', stored_topics=('/x=/y', '/z'), network='n.yaml loss:=1', chaos_seed=7,

@@ -140,6 +140,10 @@ class RunOptions:
         FLAG, False, 'leaves out what the file names and is not installed (programs, files that it includes or loads, '
         'parameters from a program, environment variables), uses packages that lie beside the file, and runs the '
         'nodes of all machines here', systems=_OF_FILES, in_digest=True)
+    python2: Tuple[str, ...] = option(
+        list_of(pattern('[A-Za-z][A-Za-z0-9_.-]*', 'names of packages'), 'a list of names of packages'), [], 'packages '
+        'whose programs are written for [Python 2](adopt.md#programs-for-python-2), and are translated when loaded',
+        systems=_OF_FILES, in_digest=True, metavar='PACKAGE')
     start: Dict[str, Tuple[float, float, float]] = option(
         map_of(POSE, NODE), {}, "where a robot's node starts [m, m, rad, map frame]: its `start_x`, `start_y`, "
         '`start_yaw`', systems=_OF_FILES, in_digest=True, metavar='NODE=X,Y,YAW')

@@ -2,6 +2,8 @@
 import os
 from xml.etree import ElementTree
 
+import rospkg
+
 _LEVELS = 3  # above the file's own package
 _DEPTH = 5
 _MOST_FOLDERS = 3000
@@ -19,6 +21,19 @@ def find(name, path):
         if found is not None:
             return found
     return None
+
+
+def elsewhere(path):
+    """Return where a file lies that its author names by a path of his own (/home/.../PACKAGE/FILE), or the path."""
+    parts = path.split(os.sep)
+    for at in range(len(parts) - 2, 0, -1) if os.path.isabs(path) and not os.path.exists(path) else ():
+        try:
+            found = os.path.join(rospkg.RosPack().get_path(parts[at]), *parts[at + 1:])
+        except rospkg.ResourceNotFound:
+            continue
+        if os.path.isfile(found):
+            return found
+    return path
 
 
 def own_package(path):

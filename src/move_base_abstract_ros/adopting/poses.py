@@ -9,7 +9,7 @@ from rosgraph.names import ns_join
 
 from move_base_abstract.common.kinds import as_number
 
-from . import kinds, worlds
+from . import kinds, neighbours, worlds
 
 LOCALIZER, STAGE, SPAWNED, FRAME, DRIVER = 'localizer', 'Stage', 'spawned', 'frame', 'driver'
 _AXES = {'x': 0, 'y': 1, 'yaw': 2, 'a': 2, 'theta': 2, 'th': 2}
@@ -157,7 +157,7 @@ def _of_frame(node):
 
 def _of_stage(config, node):
     words = words_of(node.args)
-    path = next((word for word in reversed(words) if not word.startswith('-')), '')
+    path = neighbours.elsewhere(next((word for word in reversed(words) if not word.startswith('-')), ''))
     place = node.filename or ''
     try:
         world = worlds.read(path)

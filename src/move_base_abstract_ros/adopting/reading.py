@@ -17,7 +17,7 @@ from roslaunch.xmlloader import XmlLoader, XmlParseException, ifunless_test
 
 from move_base_abstract.common import bounded_yaml
 
-from . import neighbours
+from . import kinds, neighbours
 
 NOT_INSTALLED = '/not_installed/'  # stands for the folder of packages that are not here; it does not exist
 #: values of environment variables that launch files ask for, if they are not set
@@ -46,6 +46,26 @@ class Missing(NamedTuple):
     place: str
     namespace: str = '/'
     arguments: tuple = ()
+
+
+def told(kind, name):
+    """Return a text: something that a launch file names is not here, and what happens instead."""
+    if kind == 'variable':
+        return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE sets another".format(
+            name, ENVIRONMENT.get(name, ''))
+    if kind == 'argument':
+        return '{}: roslaunch would refuse these arguments; here they are left out'.format(name)
+    if kind == 'relative':
+        return '{} is taken from beside the file that includes it: roslaunch would not look there'.format(name)
+    if kind == 'value':
+        return ('{0} is not set: it has no value, or an integer beyond 32 bits, which roslaunch would refuse; '
+                '--param {0}=VALUE sets one').format(name)
+    place = name.replace(NOT_INSTALLED, '')
+    if kind == 'include':
+        return '{} is not here, and is left out: {}'.format(place, (
+            'a robot takes its place' if kinds.stands_for_a_robot(name) else 'the nodes in it are not started'))
+    what = 'parameters are' if kind == 'parameters' else 'parameter is'
+    return '{} is not here, so that its {} not set, and defaults apply'.format(place, what)
 
 
 class _PlacedError(XmlParseException):
@@ -367,10 +387,7 @@ def _is_there(command):
 
 
 def _value_of_hooks(name, path):
-    """Return what a launch file's package would set ``name`` to if it were installed and sourced, or None.
-
-    ``path``: that of the launch file.
-    """
+    """Return what the package of the launch file ``path`` would set ``name`` to if it were sourced, or None."""
     folder = neighbours.own_package(path)
     for hook in sorted(glob.glob(os.path.join(glob.escape(folder), 'env-hooks', '*.sh*'))) if folder else ():
         with open(hook, encoding='utf-8', errors='replace') as stream:

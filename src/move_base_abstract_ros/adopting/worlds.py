@@ -9,6 +9,8 @@ import os
 import re
 from typing import NamedTuple
 
+from . import neighbours
+
 _OF_NUMBERS = re.compile(r'[-+.0-9eE]+')
 _NUMBER = re.compile(r'[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?')
 _TOKEN = re.compile(r'#[^\n]*|"([^"\n]*)"|([()\[\]])|([A-Za-z][\w.-]*(?:\[\d+\][\w.-]*)+|[^\s()\[\]"#]+)')
@@ -188,7 +190,7 @@ class _Stage:
                     # Stage's ``origin`` is the position of the model's centre, as seen from its pose
                     x, y = turned(*inner[:2], pose[2])
                     return Floor(pose[0] + x, pose[1] + y, pose[2] + inner[2], *size[:2],
-                                 os.path.join(folder, values['bitmap'][0]))
+                                 neighbours.elsewhere(os.path.join(folder, values['bitmap'][0])))
         return None
 
     def _resolved(self, model):
@@ -232,7 +234,7 @@ def _words(path, folder, count):
         if found and found[-1].group() == 'include':
             del found[-1]
             others = filter(None, os.environ.get('STAGEPATH', '').split(':'))
-            names = [os.path.join(folder, _text(one)),
+            names = [neighbours.elsewhere(os.path.join(folder, _text(one))),
                      *(os.path.join(other, os.path.basename(_text(one))) for other in others)]
             included = next(filter(os.path.isfile, names), None)
             found += _words(included, folder, count) if included else []

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from move_base_abstract.common.errors import ConfigurationError
 
 from ..adopting import kinds, poses, reading, robots, served
+from ..lockstep.code import older
 from ..loopback import PACKAGE
 from ..process.own_parameters import INHERITED
 from . import given, look_ups, programs, roles, start_poses, started, velocities, what_counts
@@ -58,6 +59,7 @@ class _Adoption:
         self.read_settings = read_settings
         self.done, self.remarks, self.problems = [], [], []
         self.left_out, self.added, self.arguments, self.param = [], {}, {}, {}
+        self.older = {}  # {package: the place that only Python 2 reads, or ''}
         self.floors = {}  # {path of a world of Stage: the map_server of its floor plan}
         self.settings = {}  # {name: settings} of our robots
         self.hints, self.stages = poses.hints(config)
@@ -89,6 +91,7 @@ class _Adoption:
             replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
             start={**asked.start, **self.starts}, is_told=True, real_navigation=False,
+            python2=(*asked.python2, *(name for name, why in self.older.items() if why and name not in asked.python2)),
             no_respawn=asked.no_respawn or any(
                 node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
         options = velocities.gathered(self, options)
@@ -108,7 +111,7 @@ class _Adoption:
             grouped.setdefault((one.kind, one.name), []).append(one.place)
         for (kind, name), places in grouped.items():
             more = ', and {} more'.format(len(places) - 1) * (len(places) > 1)
-            self.remarks.append('{} ({}{})'.format(_missing(kind, name), places[0], more))
+            self.remarks.append('{} ({}{})'.format(reading.told(kind, name), places[0], more))
 
     def _nodes(self):
         """Decide for each node whether it stays. Return the replaced kinds, {old: new}, each PACKAGE/TYPE."""
@@ -186,7 +189,8 @@ class _Adoption:
             self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
                                                   if is_loss else ''), is_loss)
             return
-        why, interpreter = programs.cannot_start(path), programs.missing_interpreter(path)
+        why = programs.cannot_start(path, self._is_older(node))
+        interpreter = programs.missing_interpreter(path)
         if not why and interpreter and not roles.role_of(node, with_respawned=True).takes_part:
             why = 'it is a program for {}, which is not here'.format(interpreter)
         if why:
@@ -197,6 +201,19 @@ class _Adoption:
             self.remarks.append(
                 '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out '
                 '{0} leaves it out ({4})'.format(roles.name_of(node), node.package, node.type, kind.why, _place(node)))
+
+    def _is_older(self, node):
+        """Return whether a node takes part and its package is written for Python 2: then it is translated."""
+        if not roles.role_of(node, with_respawned=True).takes_part:
+            return False
+        if node.package not in self.older:
+            folder = look_ups.packages().get_path(node.package)
+            why = older.why_older(folder) if node.package not in self.options.python2 else 'as it was asked for'
+            self.older[node.package] = why
+            if why:
+                self.done.append('{} is written for Python 2 ({}): its programs are translated'.format(
+                    node.package, why))
+        return bool(self.older[node.package])
 
     def _nodelet(self, node):
         words = poses.words_of(node.args)
@@ -347,25 +364,6 @@ def _kind_of(node):
             path is not None and programs.imports_one_of(path, kinds.HANDS)):
         return kinds.Kind(kinds.ELSE, kind.why)
     return kind
-
-
-def _missing(kind, name):
-    """Return a text: something that a launch file names is not here, and what happens instead."""
-    if kind == 'variable':
-        return "the environment has no {0}, and '{1}' is taken: export {0}=VALUE sets another".format(
-            name, reading.ENVIRONMENT.get(name, ''))
-    if kind == 'argument':
-        return '{}: roslaunch would refuse these arguments; here they are left out'.format(name)
-    if kind == 'relative':
-        return '{} is taken from beside the file that includes it: roslaunch would not look there'.format(name)
-    if kind == 'value':
-        return '{0} is not set: it has no value, or an integer beyond 32 bits, which roslaunch would refuse; ' \
-            '--param {0}=VALUE sets one'.format(name)
-    if kind == 'include':
-        return '{} is not here, and is left out: {}'.format(_short(name), (
-            'a robot takes its place' if kinds.stands_for_a_robot(name) else 'the nodes in it are not started'))
-    return '{} is not here, so that its {} not set, and defaults apply'.format(
-        _short(name), 'parameters are' if kind == 'parameters' else 'parameter is')
 
 
 def word_to_type(word):

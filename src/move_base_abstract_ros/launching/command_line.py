@@ -8,7 +8,7 @@ from move_base_abstract.common.options import add_arguments, of_arguments, optio
 from move_base_abstract.common.shown import pasted, shown
 from move_base_abstract.lockstep.run_options import RunOptions
 
-USAGE = '%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...]'
+USAGE = '%(prog)s [options] [PACKAGE] FILE [ARG:=VALUE ...], or several FILEs'
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def run_of(parser, options):
 
 
 def files_of(parser, words):
-    """Return [(path, arguments)] of the words FILE or PACKAGE FILE, and ARG:=VALUE.
+    """Return [(path, arguments)] of the words FILE ... or PACKAGE FILE, and ARG:=VALUE, which all files get.
 
     If they are anything else, ``parser`` ends the program with an error.
     """
@@ -53,15 +53,17 @@ def files_of(parser, words):
     from roslaunch.core import RLException
     arguments = [word for word in words if ':=' in word]
     names = [word for word in words if ':=' not in word]
-    if not 1 <= len(names) <= 2:
-        parser.error('a launch file must be given: FILE, or PACKAGE FILE; got {}'.format(shown(' '.join(names))))
+    if not names:
+        parser.error('a launch file must be given: FILE, or PACKAGE FILE; got nothing')
+    are_files = len(names) > 1 and all(map(os.path.isfile, names))
     try:
-        found = rlutil.resolve_launch_arguments(names)
+        found = names if are_files else rlutil.resolve_launch_arguments(names)
     except RLException as error:
         parser.error(str(error))
-    if len(found) != 1 or found[0] == '-':
-        parser.error('one launch file must be given, got {}'.format(shown(' '.join(names))))
-    return [(os.path.abspath(found[0]), arguments)]
+    if not are_files and len(found) != 1 or found[0] == '-':
+        parser.error('launch files must be given as FILE ..., or one as PACKAGE FILE; got {}'.format(
+            shown(' '.join(names))))
+    return [(os.path.abspath(path), arguments) for path in found]
 
 
 def of_adopted(run, command):

@@ -20,10 +20,11 @@ from move_base_abstract.runs import event_log
 from move_base_abstract.runs.ends import TIME_MASTER
 
 from ..adopting.reading import PlacingLoader, Tolerant
+from ..lockstep.code import older
 from ..lockstep.participation import report_delays
 from ..lockstep.programs import binary, recorders
 from ..loopback import PACKAGE, find_executable
-from . import given, look_ups, roles, start_poses, started
+from . import given, look_ups, programs, roles, start_poses, started
 
 _LATE_TURNS, _LONGEST_STEP_MS, _LATEST_MS = 20, 20, 250  # for a run whose nodes start in another order; wall time
 _TEXTS = list_of(text(), 'a list of texts')
@@ -230,6 +231,9 @@ def _prepare(node, role, launcher, options):
             node.env_args = [*node.env_args, *options.own_environment]
         else:
             node.launch_prefix = roles.prefix_of(node, launcher)
+            if node.package in options.python2 and not programs.wants_python3(roles.program_of(node)):
+                folders = [look_ups.packages().get_path(name) for name in options.python2]
+                node.env_args = [(older.VARIABLE, os.pathsep.join(folders)), *node.env_args]
             node.respawn = False
 
 

@@ -10,6 +10,7 @@ from importlib.machinery import PathFinder
 from roslib import packages
 from rospkg import ResourceNotFound, RosPack
 
+from ..lockstep.code import older
 from ..lockstep.programs import command_line, recorders
 from ..lockstep.programs.binary import links_to_roscpp
 from ..lockstep.programs.shell_scripts import programs_in
@@ -107,12 +108,21 @@ def missing_interpreter(path):
     return repr(name)[1:-1] if name and shutil.which(name) is None else ''
 
 
-def cannot_start(path):
-    """Return why a Python script cannot be imported here, or ''. The script is read, and not run."""
+def wants_python3(path):
+    """Return whether a program's first line names Python 3."""
+    return b'python3' in _read(_behind_relay(path))[:_LONGEST_FIRST_LINE].partition(b'\n')[0]
+
+
+def cannot_start(path, is_older=False):
+    """Return why a Python script cannot be imported here, or ''. The script is read, and not run.
+
+    ``is_older``: it is written for Python 2.
+    """
     try:
         kind, path, _ = command_line.find([path])
         path = _behind_relay(path)
-        tree = ast.parse(_read(path), path) if kind == 'script' else None
+        parse = older.tree_of if is_older and not wants_python3(path) else ast.parse
+        tree = parse(_read(path), path) if kind == 'script' else None
     except SyntaxError as error:
         return 'it is not written for this Python ({}, line {}: {})'.format(
             os.path.basename(path), error.lineno, error.msg)

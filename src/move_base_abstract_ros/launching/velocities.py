@@ -59,6 +59,9 @@ def prepare(adoption, kept):
         for remark in drive.remarks:
             adoption.remarks.append('{}: {} ({})'.format(robot.name, remark, robot.place))
     _say_asking(adoption, kept)
+    adoption.remarks += ["{} is taken for Stage's world, because the path that the file names is not here ({})".format(
+        stage.world, stage.node.filename or '') for stage in adoption.stages
+        if driven(adoption) and stage.world not in poses.words_of(stage.node.args)]
 
 
 def _prefix_of(robot, values):

@@ -31,6 +31,7 @@ from move_base_abstract.lockstep.instrument import dotted, hand_over_called, ins
 from move_base_abstract.lockstep.object_order import follow_order
 
 from ...replacing.replaced import replace
+from . import older
 from .turns import LOOKING
 
 _LIBRARIES = tuple({sysconfig.get_path('stdlib'), '/usr/lib/python3', '<frozen'})
@@ -186,7 +187,9 @@ def compile_own(source: Union[bytes, str], path: str, mode: str = 'exec', flags:
 
     :raises SyntaxError: as compile does.
     """
-    tree: Any = compile(source, path, mode, ast.PyCF_ONLY_AST | flags, dont_inherit=True)
+    is_older = mode == 'exec' and older.is_older(path)
+    tree: Any = older.tree_of(source if isinstance(source, bytes) else source.encode(), path) if is_older else compile(
+        source, path, mode, ast.PyCF_ONLY_AST | flags, dont_inherit=True)
     try:
         tree, looking = instrument(tree)
         code = compile(hand_over_called(ask(follow_order(tree))), path, mode, flags, dont_inherit=True)
@@ -209,7 +212,7 @@ def name_of_node(path: str) -> str:
     """
     try:
         with open(path, 'rb') as stream:
-            tree = ast.parse(stream.read())
+            tree = older.tree_of(stream.read(), path) if older.is_older(path) else ast.parse(stream.read())
     except (OSError, SyntaxError, ValueError):
         return ''
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and dotted(node.func)[-1:] == ('init_node',)]
