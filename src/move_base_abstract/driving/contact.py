@@ -13,10 +13,13 @@ computed anew. The last nanosecond is decided by the gap itself.
 from __future__ import annotations
 
 import math
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..engine.instants import first_ns
 from ..motion.pieces import Piece, pose_of
+
+if TYPE_CHECKING:
+    from ..maps.costmaps import Footprint
 
 Points = Sequence[Tuple[float, float]]
 
@@ -66,6 +69,11 @@ def polygon(points: Points) -> Shape:
     is_convex = all(turn <= 1e-12 for turn in turns) or all(turn >= -1e-12 for turn in turns)
     reach = max(math.hypot(x, y) for x, y in points) * (1.0 + 1e-12)
     return Shape((tuple(points),) if is_convex else tuple(sides), 0.0, reach, tuple(points))
+
+
+def shape_of(footprint: Footprint) -> Shape:
+    """Return the :class:`Shape` of a robot with this Footprint, without the padding of costmaps."""
+    return polygon(footprint.bare or footprint.points) if footprint.radius is None else disc(footprint.radius)
 
 
 class Course(NamedTuple):

@@ -65,7 +65,8 @@ class Contacts:
             if touch_ns is not None:
                 body.ahead[None] = self._schedule(touch_ns - 1, now_ns, body, lambda at_ns: body.stall(at_ns, WALL))
             elif motion.arrive_ns > until_ns:
-                body.ahead[None] = self._schedule(until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns))
+                body.ahead[None] = self._schedule(
+                    until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns), lambda: False)
         for other in self.others(body, now_ns):
             if body.may_meet(other, now_ns):
                 touch_ns = _meeting_ns(body, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns)
@@ -74,9 +75,10 @@ class Contacts:
                     one.ahead[two.robot.index] = two.ahead[one.robot.index] = self._schedule(
                         touch_ns - 1, now_ns, one, _Meeting(one, two))
 
-    def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object]) -> Any:
+    def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object],
+                  keeps_going: Optional[Callable[[], bool]] = None) -> Any:
         return self.simulation.queue.schedule(max(due_ns, now_ns), body.robot.index,
-                                              lambda due_ns, _now_ns: act(due_ns))
+                                              lambda due_ns, _now_ns: act(due_ns), keeps_going=keeps_going)
 
     def _forget(self, body: Body) -> None:
         """Cancel what the robot was to touch."""
@@ -127,7 +129,8 @@ class Body:
 
     def is_blocked(self, motion: Motion, now_ns: int) -> bool:
         """Return whether the robot would touch something at once, if it began ``motion`` at ``now_ns`` [ns]."""
-        until_ns = now_ns + AT_ONCE_NS
+        moves_ns = next((piece.begin_ns for piece in motion.pieces if piece.v or piece.w), now_ns)
+        until_ns = moves_ns + AT_ONCE_NS
         spans = self.spans(motion, now_ns, until_ns)
         return self.touches_wall(spans, now_ns) is not None or any(
             _meeting_ns(self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns) is not None

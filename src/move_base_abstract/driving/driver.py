@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
+    from ..maps.occupancy import OccupancyMap
     from ..motion.geometry import Pose2D
     from .settings import DriveSettings
 
@@ -88,6 +89,11 @@ class Driver:
         self._halt(now_ns)
         if not was_stalled:
             self._tell(Stalled(now_ns, self.robot.name, by))
+
+    def use_map(self, occupancy: Optional[OccupancyMap], now_ns: int) -> None:
+        """Let the occupied cells of ``occupancy`` (OccupancyMap) stop the robot from now on, None: robots alone do."""
+        if self.body is not None:
+            self.body.use_map(occupancy, now_ns)
 
     def close(self) -> None:
         """Note that the robot is removed."""

@@ -19,6 +19,7 @@ from ..common.errors import ConfigurationError, TimeError
 from ..common.kinds import error
 from ..common.old_names import warn_of_old
 from ..common.units import NS_PER_S, seconds_to_ns
+from ..driving.contacts import Contacts
 from ..encounters.control import make_encounters
 from ..engine.simulation import Simulation
 from ..goals.events import robot_stream
@@ -88,6 +89,7 @@ class Fleet:
         self._occupancy = occupancy
         self.traffic = Traffic(self.simulation, scenario.zones, scenario.traffic)
         self.surroundings = Surroundings()
+        self.contacts = Contacts(self.simulation)
         self.encounters = make_encounters(self.simulation, scenario)
         self._members: Dict[str, Member] = {}  # {name: Member}, in the order of their indices
         self.warnings: List[FleetWarning] = []

@@ -71,11 +71,13 @@ class Member:
         parts = make_robot_parts(settings, spec.name, index, fleet.simulation, self._stream, NoClient(spec.name),
                                  _no_lookup, planner or make_planner(settings, self._map_check), fleet.scenario.zones,
                                  remembered_legs=1,  # this fleet never asks for past poses
-                                 encounters=fleet.encounters)
+                                 encounters=fleet.encounters, contacts=fleet.contacts)
         self._robot, self._ledger = parts.robot, parts.ledger
         self.navigator: Navigator = parts.navigator
         self.condition: Condition = parts.condition
         self._driver: Optional[Driver] = parts.driver
+        if self._map_check is not None and occupancy is not None:
+            self._use_map(occupancy)
         fleet.surroundings.add(self._robot, values['global_frame'], settings.costmaps.global_footprint)
         self._laser: Optional[Laser] = None
         self._tasks: Optional[PlaceTaskRunner] = None
@@ -306,9 +308,11 @@ class Member:
         self._fleet.surroundings.remove(self._robot)
 
     def _use_map(self, occupancy: OccupancyMap) -> None:
-        """Check goals against another map."""
+        """Check goals against another map, which stops a robot that is driven."""
         if self._map_check is not None:
             self._map_check.use(occupancy)
+            if self._driver is not None:
+                self._driver.use_map(occupancy, self._fleet.now_ns)
 
 
 def _no_lookup(frame_id: str, _stamp_ns: int) -> NoReturn:

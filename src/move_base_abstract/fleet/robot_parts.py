@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Sequence,
 
 from ..common.errors import ConfigurationError
 from ..common.units import seconds_to_ns
+from ..driving.contact import shape_of
 from ..driving.driver import Driver
 from ..energy.battery import Battery
 from ..engine.chance import Chance
@@ -26,6 +27,7 @@ from ..motion.route import CornerLaw
 
 if TYPE_CHECKING:
     from ..config.settings import RobotSettings
+    from ..driving.contacts import Contacts
     from ..encounters.control import Encounters
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
@@ -53,13 +55,14 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
                      client: GoalClient, lookup: Callable[[str, int], Pose2D],
                      planner: Optional[StraightLinePlanner] = None, zones: Sequence[Zone] = (),
                      remembered_legs: int = 64, encounters: Optional[Encounters] = None,
-                     patience_ns: Callable[[], int] = lambda: 0) -> RobotParts:
+                     contacts: Optional[Contacts] = None, patience_ns: Callable[[], int] = lambda: 0) -> RobotParts:
     """Return the RobotParts of the robot ``name``, which stands at the start of its ``settings`` (RobotSettings).
 
     ``stream`` (Stream of :mod:`.events`) gets the robot's events, ``client`` (GoalClient) all other answers.
     ``lookup(frame_id, stamp_ns)`` finds foreign frames, ``patience_ns()``: see RobotFrames. ``planner``: None: that
     of :func:`make_planner` without a map. ``remembered_legs``: see Robot. ``encounters``: the Encounters in which the
-    robot takes part; None: it meets nobody. Feedback is not switched on: see Navigator.feedback.
+    robot takes part; None: it meets nobody. ``contacts``: the Contacts of driven robots; None: nothing stops them.
+    Feedback is not switched on: see Navigator.feedback.
     """
     values = settings.values
     robot = Robot(index, name, settings.start, settings.limits, settings.tolerances, simulation.now_ns,
@@ -73,7 +76,7 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
                           settings.bad_frame_policy, settings.recovery, durations,
                           seconds_to_ns(values['longest_wait']))
     simulation.queue.guard(index, navigator.break_off)
-    driver = _driver(settings, navigator, simulation, stream)
+    driver = _driver(settings, navigator, simulation, stream, contacts)
     failing: Any = None
     if settings.failures is not None or settings.buggify is not None:
         failing = Failing(settings.failures or Failures(ABORT), robot, navigator, simulation,
@@ -90,11 +93,16 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
                       driver)
 
 
-def _driver(settings: RobotSettings, navigator: Navigator, simulation: Simulation, stream: Stream) -> Optional[Driver]:
+def _driver(settings: RobotSettings, navigator: Navigator, simulation: Simulation, stream: Stream,
+            contacts: Optional[Contacts]) -> Optional[Driver]:
     if settings.drive is None:
         return None
     navigator.takes_none = DRIVEN_BY_VELOCITIES
-    return Driver(settings.drive, navigator, simulation, stream)
+    driver = Driver(settings.drive, navigator, simulation, stream)
+    if contacts is not None:
+        driver.body = contacts.join(navigator.robot, settings.values['global_frame'],
+                                    shape_of(settings.costmaps.global_footprint), driver.stall)
+    return driver
 
 
 def _durations(settings: RobotSettings, name: str, planner: StraightLinePlanner,

@@ -57,9 +57,14 @@ class Window:
 
 @dataclass(frozen=True)
 class Footprint:
-    """The outline of the robot: its corners (x, y) [m] in the base frame."""
+    """The outline of the robot: its corners (x, y) [m] in the base frame.
+
+    ``bare`` are the corners without the padding; ``radius`` [m] is that of a circle, without the padding, or None.
+    """
 
     points: Tuple[Tuple[float, float], ...]
+    bare: Tuple[Tuple[float, float], ...] = ()
+    radius: Optional[float] = None
 
     @property
     def inscribed_radius(self) -> float:
@@ -173,13 +178,13 @@ def _read(group: Mapping[str, Any], path: str, parameter: Parameter, used: List[
 
 def _read_footprint(raw: Mapping[str, Any], costmap: str, used: List[str], where: str) -> Footprint:
     group = _group(raw, costmap)
-    points = _first(raw, group, costmap, _FOOTPRINT, used, where)
+    points, radius = _first(raw, group, costmap, _FOOTPRINT, used, where), None
     if not points:
         radius = _first(raw, group, costmap, _ROBOT_RADIUS, used, where)
         angles = [2.0 * math.pi * number / _CORNERS for number in range(_CORNERS)]
         points = [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
     padding = _read(group, costmap, _FOOTPRINT_PADDING, used, where)
-    return Footprint(tuple((_padded(x, padding), _padded(y, padding)) for x, y in points))
+    return Footprint(tuple((_padded(x, padding), _padded(y, padding)) for x, y in points), tuple(points), radius)
 
 
 def _first(raw: Mapping[str, Any], group: Mapping[str, Any], costmap: str, parameter: Parameter, used: List[str],

@@ -10,6 +10,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.config.node_tables import ACTIONLIB, STATUS_FREQUENCY as _FREQUENCY
 from move_base_abstract.config.rates import Rates
+from move_base_abstract.driving.contacts import Contacts
 from move_base_abstract.motion.recorded_range import WARNING
 from move_base_abstract.sensing.surroundings import Surroundings
 
@@ -83,6 +84,7 @@ class Host:
         self.encounters = encounters
         self.robot_count = 0  # of those that share the limit of publications
         self.surroundings = Surroundings()
+        self.contacts = Contacts(simulation)
         self._has_warned = False  # about goals beyond the recorded legs of a calibration
         self.rates = Rates(clock.hearers.rates_changed)
         clock.hearers.show_rates(self.rates.text)

@@ -121,7 +121,7 @@ class MoveBaseServer:
                                        self._stream, values)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._stream,
                                  self._goal_server, self._lookup.lookup, make_planner(settings, self._map.check),
-                                 self._host.zones, encounters=self._host.encounters,
+                                 self._host.zones, encounters=self._host.encounters, contacts=self._host.contacts,
                                  patience_ns=lambda: self._clock.patience_ns(values['frame_timeout']))
         robot, self._frames, self._ledger, self.navigator, self.condition, self.driver = parts
         self._host.timing.tell_motion(robot, robot_index)

@@ -1,0 +1,264 @@
+"""Driven robots that touch walls and one another: where they stall, what the log says, and what sets them free."""
+import random
+
+import numpy as np
+import pytest
+from night import times
+
+from move_base_abstract.driving.contact import REACH, Course, gap_of, polygon
+from move_base_abstract.driving.walls import Walls
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.maps.occupancy import OccupancyMap
+from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.pieces import stand
+from move_base_abstract.scenario import make_scenario
+
+S = 1_000_000_000
+MS = 1_000_000
+BOX = [[0.2, 0.15], [-0.2, 0.15], [-0.2, -0.15], [0.2, -0.15]]
+SIDE = 0.1
+
+
+def room(*inside):
+    """Return a map of 10 m x 10 m with a border of walls, and these cells (row, column) inside."""
+    cells = np.full((100, 100), 100, np.int8)
+    cells[1:-1, 1:-1] = 0
+    for row, column in inside:
+        cells[row, column] = 100
+    return OccupancyMap(cells, SIDE)
+
+
+ROOM = room()
+WALL = 99 * ROOM.resolution  # the inner face of the eastern border
+
+
+def fleet_of(*robots, occupancy=ROOM, **defaults):
+    """Return a fleet of (name, x, y, yaw), ... that begins at 0 s: discs of 0.3 m without a watchdog."""
+    defaults = {'driven_by': 'velocities', 'cmd_vel_timeout': 0.0, 'robot_radius': 0.3,
+                'use_map': occupancy is not None, **defaults}
+    return Fleet(make_scenario({'defaults': defaults, 'robots': [
+        {'name': name, 'start_x': x, 'start_y': y, 'start_yaw': yaw} for name, x, y, yaw in robots]}), 0,
+        occupancy=occupancy)
+
+
+def rows(fleet, *kinds):
+    return [tuple(row) for row in fleet.trace if row.kind in kinds]
+
+
+def stalls(fleet):
+    """Return [(robot, by, s), ...] of the rows `stalled`."""
+    return [(row.robot, *row.values, row.time_ns / 1e9) for row in fleet.trace if row.kind == 'stalled']
+
+
+def test_a_robot_stands_at_a_wall_until_a_command_leads_away():
+    fleet = fleet_of(('a', 5.0, 5.0, 0.0))
+    robot = fleet.robot('a')
+    robot.drive(0.5)
+    fleet.run(20 * S)
+    way = WALL - 0.3 - 5.0
+    assert stalls(fleet) == [('a', 'wall', pytest.approx((way - REACH) / 0.5, abs=2e-9))]
+    at_rest = robot.pose
+    assert at_rest.x == pytest.approx(WALL - 0.3 - REACH, abs=1e-9)
+    assert at_rest.x < WALL - 0.3 - REACH
+    before = len(fleet.trace)
+    for _ in range(100):  # pushing changes nothing
+        robot.drive(0.5, 0.01)
+        fleet.run_for(0.1)
+        robot.drive(0.0)
+        fleet.run_for(0.1)
+    assert robot.pose == at_rest
+    assert len(fleet.trace) == before
+    robot.drive(0.0, 0.5)  # it may turn, since it is round
+    fleet.run_for(1.0)
+    robot.drive(-0.5)
+    fleet.run_for(1.0)
+    assert robot.distance_to(at_rest.x, at_rest.y) == pytest.approx(0.5)
+    assert [row[2] for row in rows(fleet, 'stalled', 'driven', 'stands')] == [
+        'driven', 'stands', 'stalled', 'driven', 'driven']
+
+
+def test_a_robot_drives_along_the_wall_that_it_stands_at():
+    fleet = fleet_of(('a', 9.0, 5.0, 0.0), holonomic=True)
+    fleet.robot('a').drive(0.5)
+    fleet.run(5 * S)
+    fleet.robot('a').drive(0.0, lateral=0.5)
+    fleet.run(30 * S)
+    corner = 99 * ROOM.resolution - 0.3
+    assert stalls(fleet)[1:] == [('a', 'wall', pytest.approx(5.0 + (corner - 5.0) / 0.5, abs=1e-4))]
+    fleet.robot('a').drive(0.1, lateral=-0.5)  # not exactly along it
+    fleet.run(31 * S)
+    assert fleet.robot('a').pose.y == pytest.approx(corner, abs=1e-4)
+
+
+def test_a_limited_acceleration_and_a_watchdog_change_nothing_about_where_it_stands():
+    fleet = fleet_of(('a', 9.0, 5.0, 0.0), cmd_vel_timeout=0.5, linear={'x': {
+        'has_acceleration_limits': True, 'max_acceleration': 1.0}})
+    for _ in range(40):
+        fleet.robot('a').drive(1.0)
+        fleet.run_for(0.1)
+    fleet.run_for(2.0)
+    assert len(stalls(fleet)) == 1
+    assert WALL - 0.3 - 2.0 * REACH < fleet.robot('a').pose.x < WALL - 0.3
+
+
+def test_two_that_drive_at_one_another_stall_at_one_instant_in_the_order_of_robots():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 6.0, 5.0, np.pi))
+    fleet.robot('b').drive(0.25)
+    fleet.robot('a').drive(0.5)
+    fleet.run(20 * S)
+    instant = pytest.approx((3.0 - 0.6 - REACH) / 0.75, abs=2e-9)
+    assert stalls(fleet) == [('a', 'b', instant), ('b', 'a', instant)]
+    fleet.robot('a').drive(-0.5)
+    fleet.robot('b').drive(0.5)  # it follows at the same speed
+    fleet.run(40 * S)
+    assert [row[:2] for row in stalls(fleet)[2:]] == [('a', 'wall'), ('b', 'a')]
+
+
+def test_of_two_that_touch_only_the_one_stalls_that_drives_at_the_other():
+    fleet = fleet_of(('fast', 2.0, 5.0, 0.0), ('slow', 4.0, 5.0, 0.0), ('still', 9.0, 5.0, 0.0))
+    fleet.robot('fast').drive(1.0)
+    fleet.robot('slow').drive(0.2)
+    fleet.run(40 * S)
+    touch = (2.0 - 0.6 - REACH) / 0.8
+    assert stalls(fleet) == [('fast', 'slow', pytest.approx(touch, abs=2e-9)),
+                             ('slow', 'still', pytest.approx((5.0 - 0.6 - REACH) / 0.2, abs=1e-8))]
+
+
+def test_one_that_is_pushed_from_aside_goes_on():
+    fleet = fleet_of(('across', 5.0, 3.0, np.pi / 2.0), ('along', 3.0, 5.0, 0.0), footprint=BOX)
+    fleet.robot('across').drive(0.5)
+    fleet.robot('along').drive(0.49)
+    fleet.run(6 * S)
+    assert [row[:2] for row in stalls(fleet)] == [('along', 'across')]
+
+
+def test_a_start_inside_a_wall_and_a_teleport_into_another_robot_may_be_left():
+    fleet = fleet_of(('a', WALL - 0.25, 5.0, 0.0), ('b', 5.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)  # deeper, to the next cell
+    fleet.run(1 * S)
+    assert stalls(fleet) == [('a', 'wall', pytest.approx(0.05, abs=0.05))]
+    fleet.robot('a').drive(-0.5)
+    fleet.run(2 * S)
+    assert fleet.robot('a').pose.x == pytest.approx(WALL - 0.25 - 0.5, abs=0.2)
+    fleet.robot('a').place(Pose2D(5.1, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(4 * S)
+    assert len(stalls(fleet)) == 1
+    fleet.robot('a').drive(-0.5)  # now they are apart
+    fleet.run(6 * S)
+    assert [row[:2] for row in stalls(fleet)[1:]] == [('a', 'b')]
+    assert fleet.robot('a').pose.x == pytest.approx(5.6, abs=2.0 * REACH)
+
+
+def test_a_teleport_away_from_a_wall_lets_it_drive_on():
+    fleet = fleet_of(('a', 9.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(5 * S)
+    fleet.robot('a').place(Pose2D(5.0, 5.0, 0.0))
+    fleet.run(6 * S)
+    fleet.robot('a').drive(0.5)
+    fleet.run(7 * S)
+    assert fleet.robot('a').pose.x > 5.4
+
+
+def test_a_robot_that_is_removed_blocks_no_longer_and_one_that_is_added_does():
+    fleet = fleet_of(('a', 2.0, 5.0, 0.0), ('b', 4.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(1 * S)
+    fleet.remove('b')
+    fleet.run(6 * S)
+    assert fleet.robot('a').pose.x == pytest.approx(5.0)
+    fleet.add('c', start_x=7.0, start_y=5.0, driven_by='velocities', robot_radius=0.3)
+    fleet.run(10 * S)
+    assert [row[:2] for row in stalls(fleet)] == [('a', 'c')]
+
+
+def test_after_a_reset_the_same_happens_again():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 6.0, 5.0, np.pi))
+    found = []
+    for _ in range(2):
+        begin = len(fleet.trace)
+        begin_ns = fleet.now_ns
+        fleet.robot('a').drive(0.5)
+        fleet.robot('b').drive(0.5)
+        fleet.run_for(10.0)
+        found.append([(row.time_ns - begin_ns, *row[1:]) for row in fleet.trace[begin:]])
+        fleet.reset()
+    assert found[0] == found[1]
+    assert len(found[0]) >= 4
+
+
+def test_another_map_counts_from_its_instant_on():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(1 * S)
+    fleet.use_map(room(*((row, 60) for row in range(100))))
+    fleet.run(10 * S)
+    assert fleet.robot('a').pose.x == pytest.approx(60 * ROOM.resolution - 0.3, abs=2.0 * REACH)
+
+
+def test_without_a_map_and_with_use_map_false_nothing_but_robots_stops_one():
+    for fleet in (fleet_of(('a', 8.0, 5.0, 0.0), occupancy=None), fleet_of(('a', 8.0, 5.0, 0.0), use_map=False)):
+        fleet.robot('a').drive(0.5)
+        fleet.run(10 * S)
+        assert fleet.robot('a').pose.x == pytest.approx(13.0)
+
+
+def drive_at_random(seed, names, step_ns=None):
+    """Return the fleet after 20 s of random commands for robots of these names, each with chances of its own."""
+    draw = random.Random(seed)
+    occupancy = room(*((draw.randrange(100), draw.randrange(100)) for _ in range(40)))
+    starts = {name: (4.0 + 0.8 * (number % 3), 4.0 + 0.8 * (number // 3)) for number, name in enumerate('abcdef')}
+    fleet = Fleet(make_scenario({'defaults': {
+        'driven_by': 'velocities', 'footprint': BOX, 'holonomic': True, 'use_map': True}, 'robots': [
+        {'name': name, 'start_x': starts[name][0], 'start_y': starts[name][1]} for name in names]}), 0,
+        occupancy=occupancy)
+    commands = []
+    for name in sorted(names):
+        own = random.Random('{}/{}'.format(seed, name))
+        now_ns = 0
+        while now_ns < 20 * S:
+            commands.append((now_ns, name, own.uniform(-0.5, 1.0), own.uniform(-1.5, 1.5),
+                             own.choice([0.0, 0.0, 0.4])))
+            now_ns += own.randint(100 * MS, 1000 * MS)
+    for now_ns, name, *twist in sorted(commands, key=lambda command: command[0]):
+        while step_ns and fleet.now_ns + step_ns < now_ns:
+            fleet.run(fleet.now_ns + step_ns)
+            yield fleet, occupancy
+        fleet.run(now_ns)
+        yield fleet, occupancy
+        fleet.robot(name).drive(*twist)
+    fleet.run(20 * S)
+    yield fleet, occupancy
+
+
+def last_of(*arguments):
+    *_, (fleet, _) = drive_at_random(*arguments)
+    return fleet
+
+
+@pytest.mark.parametrize('seed', range(times(3, 100)))
+def test_no_robot_is_ever_inside_of_a_wall_or_another_robot(seed):
+    shape, inside = polygon(BOX), set()
+    walls = None
+    for fleet, occupancy in drive_at_random(seed, 'abcdef', 50 * MS):
+        walls = walls or Walls(occupancy, shape)
+        bodies = [Course(stand(robot.pose, 0), shape) for robot in fleet.robots]
+        inside_now = {(one, other) for one in range(6) for other in range(one)
+                      if gap_of(bodies[one], bodies[other], 0) < 0.5 * REACH}
+        inside_now |= {(number, 'wall') for number, robot in enumerate(fleet.robots)
+                       if walls.gap_at(robot.pose) < 0.5 * REACH}
+        if fleet.now_ns == 0:
+            inside = inside_now  # a random cell may be where one starts
+        assert inside_now <= inside
+    assert len(stalls(fleet)) > 5
+
+
+@pytest.mark.parametrize('seed', range(times(2, 50)))
+def test_the_rows_do_not_depend_on_the_order_of_robots_or_on_when_somebody_looks(seed):
+    def found(*arguments):
+        return sorted(tuple(row) for row in last_of(seed, *arguments).trace)
+    rows_of_all = found('abcdef')
+    assert rows_of_all == found('fbdeca')
+    assert rows_of_all == found('abcdef', 7 * MS)
+    assert any(row[2] == 'stalled' and row[3][0] in 'abcdef' for row in rows_of_all)
