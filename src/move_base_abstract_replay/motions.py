@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 #: the kinds of events that say where a robot is, and how many numbers such an event has; pieces: any number
 _COUNTS = {'motion': 8, 'departed': 3, 'driven': 6, 'pieces': 0, 'stands': 3}
+_MOST_PIECES = 200  # of one leg of a robot that is driven by velocities, from rest to rest
 _CLOSE = 1e-6  # m, and rad; a leg may end this far from the end in the log
 
 
@@ -41,6 +42,7 @@ class Track:
         self.pose: Optional[Pose2D] = None
         self.departed_ns: Optional[int] = None  # when its leg under way began
         self.told: Optional[ToldMotion] = None  # the leg under way
+        self.driven_ns: Optional[int] = None  # when it was last driven by another velocity
 
 
 class Motions:
@@ -77,12 +79,19 @@ class Motions:
         self._close(track, time_ns, None)
         track.departed_ns, track.told = time_ns, None
 
-    _driven = _departed
+    def _driven(self, track: Track, time_ns: int, twist: List[float]) -> None:
+        if track.departed_ns is None or track.told is None or len(track.told.pieces) >= _MOST_PIECES:
+            self._departed(track, time_ns, twist)
+        track.driven_ns = time_ns
 
     @staticmethod
     def _pieces(track: Track, time_ns: int, told: ToldMotion) -> None:
+        """Take the pieces of a departure, or, of a robot that is driven by velocities, how it goes on."""
         if track.departed_ns == time_ns == told.depart_ns:
             track.told = told
+        elif track.driven_ns == time_ns == told.depart_ns and track.told is not None:
+            before = [piece for piece in track.told.pieces if piece.begin_ns < time_ns]
+            track.told = ToldMotion([*before, *told.pieces, stand(told.end, told.arrive_ns)])
 
     def _stands(self, track: Track, time_ns: int, values: List[float]) -> None:
         pose = Pose2D(*values)

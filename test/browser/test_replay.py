@@ -130,6 +130,27 @@ def test_the_way_of_a_leg_has_its_corners_and_its_trail_ends_where_it_was_cut_sh
     assert drawn[14] == {'trail': [[0, 0], [8, 0], [8, 2], [6, 2]], 'way': [[6, 2], [0, 2]]}
 
 
+def test_arcs_of_a_robot_that_is_driven_by_velocities_are_drawn_round_and_it_has_no_way(browser, pages):
+    first, turned = [S, 10.0, 0.0, 0.5 * math.pi, 0.0, 1.0, 1.0, 0.0, 0.1, -1.0], 1.5 + 0.5 * math.pi
+    there = 10.0 * math.cos(1.5), 10.0 * math.sin(1.5)
+    second = [16 * S, *there, turned, math.cos(turned), math.sin(turned), 1.0, 0.0, 0.0, -1.0]
+    end = there[0] + 10.0 * math.cos(turned), there[1] + 10.0 * math.sin(turned)
+    rest = [60 * S, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    entries = [(S, 'r', 'driven', (10.0, 0.0, 1.57, 1.0, 0.0, 0.1)), (S, 'r', 'pieces', [first, rest]),
+               (16 * S, 'r', 'driven', (*there, turned, 1.0, 0.0, 0.0)), (16 * S, 'r', 'pieces', [second, rest]),
+               (26 * S, 'r', 'stands', (*end, turned))]
+    browser.open(page(pages[0], 'arcs', entries))
+    browser.run(DOTTED_AND_TRAIL)
+    browser.run('window.lines = {}; window.replay.seek(24e9)')
+    browser.wait('return window.lines.trail')
+    lines = browser.run('return window.lines')
+    arc = [point for point in lines['trail'] if point[0] > 0 and math.hypot(*point) < 10.8]
+    assert not lines['way'] and len(arc) >= 10
+    assert all(abs(math.hypot(*point) - 10.0) < 0.8 for point in arc)
+    assert lines['trail'][-1] == [round(there[0] + 8.0 * math.cos(turned)), round(there[1] + 8.0 * math.sin(turned))]
+    assert 'drives with 1 m/s, turns with 0 rad/s' in browser.run('return document.body.textContent')
+
+
 def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):
     rows = [(S, '', 'link', ('base', 'robot_0', 'up')), (S, '', 'link', ('base', 'robot_1', 'up')),
             (S, '', 'link', ('robot_0', 'robot_1', 'down')), (S, 'base', 'host', (20.0, 20.0)),

@@ -220,6 +220,16 @@ def test_a_robot_that_has_failed_or_is_held_stands_and_its_commands_are_lost(kin
     assert robot.pose == Pose2D(0.6)
 
 
+def test_failures_come_by_the_distance_driven():
+    fleet = fleet_of(failure_kind='abort', failures_per_km=200.0, cmd_vel_timeout=0.0, repair_time=1.0, holonomic=True)
+    robot = fleet.robot('r')
+    for number in range(300):
+        fleet.run(number * S)
+        robot.drive(1.0, 0.2 * (-1) ** number)
+    assert robot.condition.failing.count == len(rows(fleet, 'failed'))
+    assert len(rows(fleet, 'failed')) == pytest.approx(0.2 * robot.distance, rel=0.4)
+
+
 def test_a_battery_takes_energy_on_arcs_and_a_robot_without_charge_stands():
     fleet = fleet_of(battery_capacity=0.01, nominal_voltage=10.0, mass=10.0, friction_coefficient=0.2,
                      cmd_vel_timeout=0.0, ambient_power=0.0, tool_power=0.0, moment_of_inertia=1.0)
@@ -234,6 +244,56 @@ def test_a_battery_takes_energy_on_arcs_and_a_robot_without_charge_stands():
     robot.drive(1.0)
     fleet.run(70 * S)
     assert robot.distance == pytest.approx(empty_s, abs=0.3)
+
+
+def test_a_change_of_the_velocity_takes_the_energy_of_the_change_alone():
+    fleet = fleet_of(battery_capacity=1.0, nominal_voltage=1.0, mass=10.0, friction_coefficient=0.0, ambient_power=0.0,
+                     moment_of_inertia=2.0, cmd_vel_timeout=0.0)
+    robot, speeds = fleet.robot('r'), [1.0, 2.0, 0.5, -0.5, 0.5]
+    for number, speed in enumerate(speeds):
+        fleet.run(number * S)
+        robot.drive(9.0)
+        robot.drive(speed, 1.0)  # the last one counts
+    fleet.run(100 * S)  # it has gone on by itself
+    joules = 5.0 * (1.0 + 3.0 + 3.75) + 1.0
+    assert robot.state_of_charge == pytest.approx(1.0 - joules / 3600.0, rel=1e-12)
+    robot.drive(0.0)
+    assert robot.state_of_charge == pytest.approx(1.0 - (joules + 5.0 * 0.25 + 1.0) / 3600.0, rel=1e-12)
+
+
+def test_replay_and_metrics_have_the_way_and_the_energy_of_arcs(tmp_path):
+    from move_base_abstract_experiments.trials.metrics import summarise
+    from move_base_abstract_replay.charges import Charges
+    from move_base_abstract_replay.motions import Motions
+    from move_base_abstract_replay.recording import read_recording
+    from move_base_abstract_replay.world import make_world
+    chance = random.Random(4)
+    scenario = {'robots': [{'name': 'r', 'driven_by': 'velocities', 'log_motion': True, 'battery_capacity': 1.0}]}
+    fleet = Fleet(make_scenario(scenario), start_ns=0)
+    poses = []
+    for number in range(600):
+        fleet.run(number * 100 * MS)
+        poses.append((fleet.now_ns, fleet.robot('r').pose))
+        if number % 60 < 50:
+            fleet.robot('r').drive(chance.uniform(-1.0, 1.0), chance.choice([0.0, 1.0]))
+    fleet.run()
+    path = tmp_path / 'run.jsonl'
+    fleet.write_log(path)
+    metrics = summarise(str(path)).robots['r']
+    assert metrics['distance_m'] == pytest.approx(fleet.robot('r').distance, abs=1e-6)
+    assert metrics['moving_s'] == pytest.approx(10 * (4.9 + 0.5)) and metrics['waiting_s'] == 0.0
+    recording, world = read_recording(path), make_world(make_scenario(scenario))
+    charges = Charges(world, 0)
+    driven = Motions(recording, world, charges).tracks['r'].driven
+    assert sum(one.motion.distance > 0.0 for one in driven) == 10  # from rest to rest
+    for now_ns, pose in poses:
+        motion = [one.motion for one in driven if one.motion.depart_ns <= now_ns][-1]
+        end_ns = [one.end_ns for one in driven if one.motion.depart_ns <= now_ns][-1]
+        found = motion.pose_at(min(now_ns, end_ns))
+        assert (found.x, found.y, found.yaw) == pytest.approx((pose.x, pose.y, pose.yaw), abs=1e-9)
+    last_ns, share = charges.knots['r'][-1]
+    rest = 20.0 * (fleet.now_ns - last_ns) / S / (12.0 * 3600.0)  # 20 W, 1 Ah at 12 V
+    assert share - rest == pytest.approx(fleet.robot('r').state_of_charge, abs=1e-9)
 
 
 def test_goals_are_refused_in_words_and_do_not_stop_the_robot():

@@ -282,3 +282,27 @@ def test_a_law_that_lacks_something_is_refused(tmp_path, name):
     law = {key: value for key, value in FREE.items() if key != name}
     with pytest.raises(ConfigurationError, match='{} is missing'.format(name)):
         read_calibration(calibration(tmp_path, law), 'test')
+
+
+@pytest.mark.parametrize('law, is_dear', [(FREE, False), (DEAR, True)])
+def test_robots_that_are_driven_by_velocities_meet_on_arcs(tmp_path, law, is_dear):
+    robots = [{'name': 'a', 'driven_by': 'velocities', 'cmd_vel_timeout': 0.0},
+              {'name': 'b', 'driven_by': 'velocities', 'cmd_vel_timeout': 0.0, 'start_x': 20.0, 'start_y': 20.0}]
+    fleet = Fleet(scenario(tmp_path, law, robots))
+    a, b = (fleet.robot(name).navigator.robot for name in 'ab')
+    fleet.robot('a').drive(1.0, 0.05)  # on a circle of 20 m, so that it comes to b after 31 s
+    fleet.robot('b').drive(0.2, 0.1)  # on a circle of 2 m
+    fleet.run(until=150.0)
+    meetings = sorted({entry[0] for entry in rows(fleet, 'encounter')})
+    assert meetings and all(entry[1] in 'ab' for entry in rows(fleet, 'encounter'))
+    if is_dear:
+        assert rows(fleet, 'held')
+        return
+    again = Fleet(scenario(tmp_path, law, robots))
+    again.robot('a').drive(1.0, 0.05)
+    again.robot('b').drive(0.2, 0.1)
+    a, b = (again.robot(name).navigator.robot for name in 'ab')
+    again.run(meetings[0] - 1)
+    assert a.pose_at(again.now_ns).distance_to(b.pose_at(again.now_ns)) > 3.0
+    again.run(meetings[0])
+    assert a.pose_at(again.now_ns).distance_to(b.pose_at(again.now_ns)) <= 3.0

@@ -39,6 +39,7 @@ class DriveMotion(Motion):
     """
 
     __slots__ = ()
+    is_from_rest = False
 
     def __init__(self, start: Pose2D, steps: Sequence[Step], end_ns: int) -> None:
         self.depart_ns, self.arrive_ns, self.start = steps[0][0], end_ns, start

@@ -117,10 +117,11 @@ class Driver:
             self._steps = changes
             self._halt(now_ns)
             return
-        last_ns, last = steps[-1]
+        end_ns, last = steps[-1]
+        if last != REST:  # it ends just after the driver has set the robot off again, so that it never comes to rest
+            end_ns += 1 + (HORIZON_NS if last == self._wanted else self.settings.period_ns)
         try:
-            motion = DriveMotion(self.robot.pose_at(now_ns), steps, last_ns if last == REST else (
-                last_ns + (HORIZON_NS if last == self._wanted else self.settings.period_ns)))
+            motion = DriveMotion(self.robot.pose_at(now_ns), steps, end_ns)
         except ValueError:
             self.stall(now_ns, FARTHEST)
             return
@@ -131,8 +132,10 @@ class Driver:
         self._begin(motion, now_ns)
 
     def _begin(self, motion: DriveMotion, now_ns: int) -> None:
+        if self._motion is None:
+            self._navigator.begin_drive()
         self._motion = motion
-        self._end.set(motion.arrive_ns, self._reach_end)
+        self._end.set(motion.arrive_ns if self._ends_at_rest() else motion.arrive_ns - 1, self._reach_end)
         self.robot.set_off(motion, now_ns)
         pose, name = motion.start, self.robot.name
         self._tell(Driven(now_ns, name, pose.x, pose.y, pose.yaw, *self._wanted))

@@ -207,7 +207,8 @@ class Battery:
         leg, settings = self._robot.leg, self.settings
         self._settle(now_ns)
         is_same_leg = isinstance(driven, _Driving) and driven.leg is leg
-        if isinstance(driven, _Driving) and not is_same_leg and now_ns > driven.leg.depart_ns:
+        goes_on = isinstance(driven, _Driving) and not is_same_leg and leg is not None and not leg.is_from_rest
+        if isinstance(driven, _Driving) and not is_same_leg and not goes_on and now_ns > driven.leg.depart_ns:
             self._soc = max(0.0, self._soc - driven.energy.stopping(now_ns) / self._energy)
         charger = None
         if leg is None:
@@ -220,7 +221,8 @@ class Battery:
                                          USED if before is None else CHARGED))
         power = settings.ambient_power + self._load + (settings.tool_power if self._tool_works else 0.0)
         if leg is not None:
-            energy = driven.energy if is_same_leg else LegEnergy(leg, settings.mechanics)
+            energy = driven.energy if is_same_leg else LegEnergy(
+                leg, settings.mechanics, driven.energy.kinetic(now_ns) if goes_on else (0.0, 0.0))
             self._course = _Driving(leg, energy, energy.until(now_ns) if is_same_leg else 0.0, power, now_ns)
         elif charger is None:
             self._course = _Even(power, now_ns)

@@ -28,14 +28,17 @@ class Mechanics(NamedTuple):
 
 
 class LegEnergy:
-    """The energy that a leg of any kind takes."""
+    """The energy that a leg of any kind takes.
 
-    def __init__(self, leg: Motion, mechanics: Mechanics) -> None:
+    ``before``: the kinetic energy (of driving, of turning) [J] with which it begins.
+    """
+
+    def __init__(self, leg: Motion, mechanics: Mechanics, before: Tuple[float, float] = (0.0, 0.0)) -> None:
         self._leg = leg
         self._half_mass, self._half_moment = 0.5 * mechanics.mass, 0.5 * mechanics.moment_of_inertia
         self._instants = [piece.begin_ns for piece in leg.pieces]
         self._begins = []  # (energy taken up to then [J], (kinetic energy of driving, of turning) then [J])
-        energy, before = 0.0, (0.0, 0.0)
+        energy, self._before = 0.0, before
         for piece, end_ns in leg.spans():
             at_begin = self._kinetic(piece.v, 0.0, piece.w)
             energy += _change(before, at_begin)
@@ -55,7 +58,11 @@ class LegEnergy:
 
     def stopping(self, now_ns: int) -> float:
         """Return the energy [J] that stopping takes if the robot leaves the leg at ``now_ns`` [ns]."""
-        return _change(self._kinetic(*self._leg.velocity_at(now_ns)), (0.0, 0.0))
+        return sum(self.kinetic(now_ns))
+
+    def kinetic(self, now_ns: int) -> Tuple[float, float]:
+        """Return the kinetic energy (driving, turning) [J] at ``now_ns`` [ns], up to the departure that before it."""
+        return self._before if now_ns <= self._leg.depart_ns else self._kinetic(*self._leg.velocity_at(now_ns))
 
     def _kinetic(self, forward: float, lateral: float, turning: float) -> Tuple[float, float]:
         return (self._half_mass * forward * forward + self._half_mass * lateral * lateral,

@@ -93,6 +93,10 @@ class Navigator:
         """Whether the robot is held, or refuses goals for a reason that will end."""
         return bool(self.travel.held_for or self._refusals)
 
+    def begin_drive(self) -> None:
+        """Note that a robot that takes no goals drives from rest: encounters and failures count that as a goal."""
+        self.goal_number += 1
+
     def receive(self, goal_id: str, stamp_ns: int, goal: GoalPose, now_ns: int) -> None:
         """Take in ``goal`` (:class:`GoalPose`). The newest goal wins; if anything is wrong with it, it is aborted."""
         ledger = self._ledger

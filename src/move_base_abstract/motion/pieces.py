@@ -123,6 +123,8 @@ class Motion:
     start: Pose2D
     end: Pose2D
     distance: float
+    #: whether the robot stands when it begins; otherwise it goes on with the velocity that it has
+    is_from_rest = True
     corners: Sequence[Tuple[float, float]] = ()
     _kept: Optional[Tuple[Tuple[Piece, ...], List[float]]]
 
