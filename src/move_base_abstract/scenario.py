@@ -31,6 +31,7 @@ from .common.shown import shown_text
 from .config.node_tables import MAX_ROBOTS
 from .config.robot_table import OWN_NAMES
 from .config.settings import RobotSettings, read_settings
+from .driving.settings import GOALS, VELOCITIES
 from .energy.battery import TABLE as BATTERY_TABLE
 from .motion.encounter_law import EncounterLaw
 from .orders import order_arrivals
@@ -162,6 +163,7 @@ def make_scenario(raw: Mapping[str, Any], where: str = 'scenario', overrides: Op
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
     settings: List[Any] = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
     _check_different(specs, where)
+    _check_drives(specs, raw, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
     if places is None and raw.get('orders') is not None:
         places = {}  # robots that do orders work
@@ -277,6 +279,13 @@ def _check_different(specs: Sequence[RobotSpec], where: str) -> None:
                 where, spec.name))
         names.add(spec.name)
         check_frame(spec, frames, '{}: robots'.format(where))
+
+
+def _check_drives(specs: Sequence[RobotSpec], raw: Mapping[str, Any], where: str) -> None:
+    """Refuse robots that are driven by velocities where a dispatcher would send them goals."""
+    driven = [spec.name for spec in specs if spec.settings.drive is not None]
+    if driven and (raw.get('orders') is not None or raw.get('dispatcher') is not None):
+        raise error(f"{where}: robot '{driven[0]}': driven_by", VELOCITIES, GOALS, ' with orders or a dispatcher')
 
 
 def check_frame(spec: RobotSpec, frames: Dict[str, str], where: str) -> None:

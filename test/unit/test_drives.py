@@ -27,9 +27,9 @@ def passages(fleet):
 
 def star(chance, x, y):
     """Return the corners of a polygon around (x, y)."""
-    count = chance.randrange(3, 9)
-    return [[x + chance.uniform(0.3, 2.0) * math.cos(2.0 * math.pi * number / count),
-             y + chance.uniform(0.3, 2.0) * math.sin(2.0 * math.pi * number / count)] for number in range(count)]
+    count, turned = chance.randrange(3, 9), chance.uniform(0.0, 6.0)
+    corners = [(chance.uniform(0.3, 2.0), turned + 2.0 * math.pi * number / count) for number in range(count)]
+    return [[x + radius * math.cos(angle), y + radius * math.sin(angle)] for radius, angle in corners]
 
 
 @pytest.mark.parametrize('seed', range(times(40, 400)))
@@ -69,6 +69,8 @@ def test_a_circle_passes_a_zone_at_each_turn():
     assert passages(fleet) == []
     fleet = fleet_of([{'name': 'right', 'rectangle': [0.0, -9.0, 9.0, 9.0]}], start_x=-0.5)
     fleet.robot('r').drive(1.0, 1.0)
+    fleet.run()  # ends, though the robot drives on
+    assert fleet.now_ns == 0
     fleet.run(20 * S)
     first, second = math.asin(0.5), math.pi - math.asin(0.5)
     expected = [(angle + turn * 2.0 * math.pi, kind) for turn in range(4)

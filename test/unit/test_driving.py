@@ -377,6 +377,14 @@ def test_parameters_that_are_not_allowed_are_refused_in_words(parameters, words)
         fleet_of(**parameters)
 
 
+@pytest.mark.parametrize('key, value', [('dispatcher', {'policy': 'nearest'}), (
+    'orders', [{'name': 'picks', 'rate_per_hour': 20.0, 'stops': [{'place': 'dock'}]}])])
+def test_a_dispatcher_has_no_robots_that_are_driven_by_velocities(key, value):
+    with pytest.raises(ConfigurationError, match="robot 'r': driven_by: got 'velocities' with orders or a dispatcher"):
+        make_scenario({'robots': [{'name': 'g'}, {'name': 'r', 'driven_by': 'velocities'}],
+                       'places': [{'name': 'dock', 'x': 1.0, 'y': 2.0}], key: value})
+
+
 def test_calls_that_are_not_allowed_are_refused_in_words():
     robot = fleet_of().robot('r')
     for values, words in (((math.nan,), 'finite'), ((0.0, 2e6), 'within'), ((1.0, 0.0, 0.5), 'holonomic: true'),

@@ -201,3 +201,15 @@ def test_how_they_meet(start, goal, kind, yields):
     other = Track(leg, Pose2D(*start), 0, 6.0)
     due_ns = search(one, other, 3.0, 0)
     assert kind_of(one, other, due_ns, find_stay(one, other, 3.0, due_ns).nearest_ns) == (kind, yields)
+
+
+def test_a_way_that_bends_towards_a_robot_is_not_missed():
+    radius = 3.0
+    circle = stand(Pose2D(0.0, -1.9, 0.0), 0)._replace(v=1.0, w=1.0 / 1.9, k=-1.0)  # around (0, 0)
+    reach = Neighbours(radius).side
+    for angle in range(0, 360, 15):  # a part of the way is about half of the circle
+        far = Pose2D(4.85 * math.cos(math.radians(angle)), 4.85 * math.sin(math.radians(angle)))
+        motion = ToldMotion([circle, stand(pose_of(circle, 12 * 1000 * MS), 12 * 1000 * MS)])
+        met_ns = search(Track(motion, None, 0, reach), Track(None, far, 0, reach), radius, 0)
+        assert met_ns is not None and motion.pose_at(met_ns).distance_to(far) <= radius
+        assert met_ns == 0 or motion.pose_at(met_ns - 1).distance_to(far) > radius

@@ -172,7 +172,8 @@ class Traveller:
         if found is not None:
             due_ns, area = found
             self._event = self._traffic.simulation.queue.schedule(
-                due_ns, _LEAVING_INDEX if area in self.held else self.place, self._passes_border)
+                due_ns, _LEAVING_INDEX if area in self.held else self.place, self._passes_border,
+                keeps_going=lambda: bool(area.queue))  # without a watchdog it may drive in circles for ever
 
     def _passes_border(self, due_ns: int, _now_ns: int) -> None:
         """Hold places where the robot is now: driven by velocities, it waits for none."""
