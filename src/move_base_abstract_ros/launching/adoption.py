@@ -4,9 +4,11 @@ import shlex
 from dataclasses import replace
 from typing import NamedTuple
 
+from roslaunch.core import Node
+
 from move_base_abstract.common.errors import ConfigurationError
 
-from ..adopting import kinds, poses, reading, robots, served
+from ..adopting import kinds, poses, reading, robots, served, unrolled
 from ..lockstep.code import older
 from ..loopback import PACKAGE
 from ..process.own_parameters import INHERITED
@@ -126,7 +128,7 @@ class _Adoption:
                 self._look_for_program(node, kinds.Kind(kinds.ELSE))
             elif kind.word == kinds.ROBOT or kind.word == kinds.MAP and self._serves_map(node):
                 if kind.word == kinds.ROBOT or roles.program_of(node) is None:
-                    replaced[name] = '{}/{}'.format(PACKAGE, word_to_type(kind.word))
+                    replaced[name] = '{}/{}'.format(PACKAGE, 'map_server' if kind.word == kinds.MAP else 'move_base')
                     if node.package.startswith('mbf_'):
                         what_counts.take_planners(self, node)
             elif kind.word != kinds.MAP:
@@ -189,6 +191,9 @@ class _Adoption:
             self._leave(node, kinds.NO_PROGRAM + ('; build its package, or source its workspace'
                                                   if is_loss else ''), is_loss)
             return
+        if unrolled.starts_several(path):
+            self._unroll(node, path)
+            return
         why = programs.cannot_start(path, self._is_older(node))
         interpreter = programs.missing_interpreter(path)
         if not why and interpreter and not roles.role_of(node, with_respawned=True).takes_part:
@@ -201,6 +206,16 @@ class _Adoption:
             self.remarks.append(
                 '{0} ({1}/{2}) stays, because its program is here. By its name one could think that {3}: --leave-out '
                 '{0} leaves it out ({4})'.format(roles.name_of(node), node.package, node.type, kind.why, _place(node)))
+
+    def _unroll(self, node, path):
+        """Add the nodes that a shell script starts in the background, in the place of the script."""
+        found = unrolled.nodes_of(path, poses.words_of(node.args), self.values(),
+                                  lambda package, kind: roles.program_of(Node(package, kind)))
+        self._leave(node, 'it is a shell script that starts {} nodes, which are added'.format(len(found)))
+        for one in found:
+            self.added[one.name] = '{} {}'.format(one.program, one.arguments).rstrip()
+            self.done.append('{} is added: {}'.format(one.name, self.added[one.name]))
+            self._is_older(Node(*one.program.split('/')))
 
     def _is_older(self, node):
         """Return whether a node takes part and its package is written for Python 2: then it is translated."""
@@ -364,11 +379,6 @@ def _kind_of(node):
             path is not None and programs.imports_one_of(path, kinds.HANDS)):
         return kinds.Kind(kinds.ELSE, kind.why)
     return kind
-
-
-def word_to_type(word):
-    """Return the type of this package's node that replaces nodes of the kind ``word`` (kinds.MAP or kinds.ROBOT)."""
-    return 'map_server' if word == kinds.MAP else 'move_base'
 
 
 def _is_of_robots(node):

@@ -24,7 +24,7 @@ _LAUNCHER, _OWN_NODE = 'lockstep', '--own'
 DEPUTY = 'move_base_abstract_ros.nodes.series_run.deputy'
 _BY_ITSELF = ('move_base', 'fleet', 'task_server', 'task_source', 'dispatcher', 'mapf_drive',
               'move_base_abstract_actionserver', 'soil_coordinator', 'end_at_message', 'message_recorder',
-              'property_monitor', 'deputy', 'map_server')
+              'property_monitor', 'deputy', 'map_server', 'velocity_robot')
 #: the one of them with something to do when the run is over; results of the others are in the log, or written already
 _WITH_LAST_WORDS = 'soil_coordinator'
 #: nodes of this package that only show what is, and why its other programs do not take part

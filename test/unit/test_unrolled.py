@@ -1,0 +1,49 @@
+"""Shell scripts that start several nodes in the background: an adopted file gets these nodes in the script's place."""
+import pytest
+
+from move_base_abstract_ros.adopting import unrolled
+from strangers_package import adopt, package_fixture  # noqa: F401 - a fixture
+
+SCRIPT = """#!/bin/bash
+name="$(rosparam get /robot_name)_"
+count=$(rosparam get how_many)
+[ "$(rosparam get /debug)" = "true" ] && rosservice call /robot_0/set_logger_level debug
+for ((i=0; i<count; i++)); do
+  ROS_NAMESPACE="$name$i" rosrun of_a_stranger agent.py _speed:=$1 "_text:=a b" &
+done
+rosrun of_a_stranger other __name:=named &
+cat
+"""
+FILE = """<launch><param name="robot_name" value="bot"/><param name="how_many" value="11"/>
+  <param name="debug" value="true" type="bool"/><node pkg="move_base" type="move_base" name="move_base"/>
+  <node pkg="of_a_stranger" type="start.sh" name="start" args="0.5"/></launch>"""
+
+
+def test_the_nodes_are_added_with_their_names_namespaces_and_arguments(package):
+    package('scripts/start.sh', SCRIPT, 0o755)
+    package('scripts/agent.py', '#!/usr/bin/env python\nimport rospy\nrospy.init_node("Agent")\nprint 1\n', 0o755)
+    made = adopt(package('one.launch', FILE))
+    assert made.problems == () and made.options.leave_out == ('/start',)
+    assert [*made.options.add.items()] == [
+        *(('/bot_{}/Agent'.format(number), "of_a_stranger/agent.py _speed:=0.5 '_text:=a b'") for number in range(11)),
+        ('/named', 'of_a_stranger/other')]
+    assert any('/start (of_a_stranger/start.sh) is left out: it is a shell script that starts 12 nodes' in line
+               for line in made.done)
+    assert made.options.python2 == ('of_a_stranger',)
+
+
+@pytest.mark.parametrize(('text', 'expected'), [
+    (SCRIPT, True), ('#!/bin/sh\nexec rosrun a b\n', False), ('#!/bin/sh\n# rosrun a b &\n', False),
+    ('#!/usr/bin/env python3\nrosrun a b &\n', False), ('#!/bin/sh\nsleep 1 & rosrun a b\n', False),
+    ('rosrun a b &\n', False)])
+def test_only_shell_scripts_that_leave_nodes_in_the_background_count(tmp_path, text, expected):
+    (tmp_path / 'x').write_text(text)
+    assert unrolled.starts_several(str(tmp_path / 'x')) is expected
+
+
+def test_a_script_that_does_not_end_is_ended_and_what_it_has_started_counts(tmp_path, monkeypatch):
+    monkeypatch.setattr(unrolled, '_LONGEST', 0.5)
+    path = tmp_path / 'x'
+    path.write_text('#!/bin/sh\nrosrun a b &\nwait\nwhile :; do sleep 1; done\n')
+    path.chmod(0o755)
+    assert unrolled.nodes_of(str(path), [], {}, lambda *_: None) == [unrolled.Unrolled('/b', 'a/b', '')]
