@@ -162,8 +162,7 @@ def make_scenario(raw: Mapping[str, Any], where: str = 'scenario', overrides: Op
     levels = () if dispatcher is None else dispatcher.levels
     specs = [spec for index, group in enumerate(groups) for spec in _expand(group, index, defaults, levels, where)]
     settings: List[Any] = [spec.settings for spec in specs] or [read_settings(defaults, where + ': defaults')]
-    _check_different(specs, where)
-    _check_drives(specs, raw, where)
+    _check_robots(specs, raw, where)
     places = None if raw.get('places') is None else read_places(raw['places'], where)
     if places is None and raw.get('orders') is not None:
         places = {}  # robots that do orders work
@@ -281,8 +280,9 @@ def _check_different(specs: Sequence[RobotSpec], where: str) -> None:
         check_frame(spec, frames, '{}: robots'.format(where))
 
 
-def _check_drives(specs: Sequence[RobotSpec], raw: Mapping[str, Any], where: str) -> None:
-    """Refuse robots that are driven by velocities where a dispatcher would send them goals."""
+def _check_robots(specs: Sequence[RobotSpec], raw: Mapping[str, Any], where: str) -> None:
+    """Refuse robots that are alike, and robots driven by velocities where a dispatcher would send them goals."""
+    _check_different(specs, where)
     driven = [spec.name for spec in specs if spec.settings.drive is not None]
     if driven and (raw.get('orders') is not None or raw.get('dispatcher') is not None):
         raise error(f"{where}: robot '{driven[0]}': driven_by", VELOCITIES, GOALS, ' with orders or a dispatcher')

@@ -68,11 +68,11 @@ class ByHand:
             return
         self.stepped_ns = self.now_ns
         if not self.accelerations:
-            self.twist = self.wanted
+            self.twist = list(self.wanted)
             return
-        most = [one * self.period_ns / 1e9 for one in self.accelerations]
-        self.twist = [wanted if abs(wanted - value) <= one else value + math.copysign(one, wanted - value)
-                      for value, wanted, one in zip(self.twist, self.wanted, most)]
+        for number, (value, wanted, most) in enumerate(zip(self.twist, self.wanted, self.accelerations)):
+            change, most = wanted - value, most * self.period_ns / 1e9
+            self.twist[number] = wanted if abs(change) <= most * (1.0 + 1e-9) else value + math.copysign(most, change)
 
     def _integrate(self, seconds):
         forward, lateral, turning = self.twist

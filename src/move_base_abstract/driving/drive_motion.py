@@ -16,6 +16,7 @@ from .settings import DriveSettings, Limits
 
 #: the time [ns] for which a motion with a twist that does not end is known in advance
 HORIZON_NS = 60 * NS_PER_S
+_ROUNDED = 1.0 + 1e-9  # so that no step is left that rounding has made
 _MOST_STEPS = 1000  # of one motion, while an acceleration is limited
 
 
@@ -95,7 +96,7 @@ def steps_towards(wanted: Twist, before: Step, settings: DriveSettings, now_ns: 
 
 def _nearer(value: float, wanted: float, limits: Limits, seconds: float) -> float:
     """Return ``value`` after one control period on its way to ``wanted``, which is within its limits."""
-    change = wanted - value
-    if change < limits.least_change * seconds:
-        return value + limits.least_change * seconds
-    return value + limits.most_change * seconds if change > limits.most_change * seconds else wanted
+    least, most = limits.least_change * seconds, limits.most_change * seconds
+    if least * _ROUNDED <= wanted - value <= most * _ROUNDED:
+        return wanted
+    return value + (most if wanted > value else least)
