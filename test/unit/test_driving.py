@@ -70,8 +70,8 @@ class ByHand:
         if not self.accelerations:
             self.twist = list(self.wanted)
             return
-        for number, (value, wanted, most) in enumerate(zip(self.twist, self.wanted, self.accelerations)):
-            change, most = wanted - value, most * self.period_ns / 1e9
+        for number, (value, wanted, rate) in enumerate(zip(self.twist, self.wanted, self.accelerations)):
+            change, most = wanted - value, rate * self.period_ns / 1e9
             self.twist[number] = wanted if abs(change) <= most * (1.0 + 1e-9) else value + math.copysign(most, change)
 
     def _integrate(self, seconds):
