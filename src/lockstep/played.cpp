@@ -14,8 +14,8 @@
 namespace move_base_abstract {
 namespace {
 
-constexpr std::size_t kSlotSize = 5;                        // bytes, in PLAY
-constexpr std::array<std::size_t, 4> kSizes{4, 8, 56, 48};  // bytes, of each kind of slot
+constexpr std::size_t kSlotSize = 5;                                // bytes, in PLAY
+constexpr std::array<std::size_t, 6> kSizes{4, 8, 56, 48, 56, 48};  // bytes, of each kind of slot
 
 }  // namespace
 
@@ -29,7 +29,7 @@ bool Played::takeItem(const wire::ReportItem& item, const std::shared_ptr<const 
   if (motion != nullptr) {
     move(*motion);
   }
-  return motion != nullptr && !has_radio;
+  return motion != nullptr && (!has_radio || motion->sub >= wire::kOdometry);
 }
 
 void Played::takeUntil(Nanoseconds until, std::deque<WalkedTurn>* turns) {
@@ -77,11 +77,13 @@ Played::Slot Played::slotOf(const wire::Play& play, std::size_t begin) const {
                                " bytes of the payload, got kind " + std::to_string(kind) + " at " +
                                std::to_string(place));
   }
-  const Slot slot{static_cast<wire::Slot>(kind), place};
-  const bool moves = slot.kind == wire::Slot::kPose || slot.kind == wire::Slot::kTwist;
-  if (moves && motions_.count(play.sub) == 0) {
+  const bool is_odometry = kind >= static_cast<unsigned char>(wire::Slot::kOdomPose);
+  const Slot slot{static_cast<wire::Slot>(kind), place,
+                  play.sub + (is_odometry ? wire::kOdometry : 0)};
+  const bool moves = slot.kind != wire::Slot::kNumber && slot.kind != wire::Slot::kStamp;
+  if (moves && motions_.count(slot.mover) == 0) {
     throw wire::MalformedFrame("a pose in PLAY must be of a robot whose MOTION was told, got " +
-                               std::to_string(play.sub));
+                               std::to_string(slot.mover));
   }
   return slot;
 }
@@ -132,15 +134,15 @@ void Played::fill(char* bytes, const Series& series, Nanoseconds now) const {
     } else if (slot.kind == wire::Slot::kStamp) {
       putNumber(place, static_cast<std::uint32_t>(now / kNanosecondsPerSecond));
       putNumber(place + 4, static_cast<std::uint32_t>(now % kNanosecondsPerSecond));
-    } else if (slot.kind == wire::Slot::kPose) {
-      const motion::Pose pose = motions_.at(series.play.sub).poseAt(now);
+    } else if (slot.kind == wire::Slot::kPose || slot.kind == wire::Slot::kOdomPose) {
+      const motion::Pose pose = motions_.at(slot.mover).poseAt(now);
       const double half = pose.yaw / 2.0;
       putNumber(place, pose.x);
       putNumber(place + 8, pose.y);
       putNumber(place + 40, std::sin(half));
       putNumber(place + 48, std::cos(half));
     } else {
-      const motion::Velocity velocity = motions_.at(series.play.sub).velocityAt(now);
+      const motion::Velocity velocity = motions_.at(slot.mover).velocityAt(now);
       putNumber(place, velocity.forward);
       putNumber(place + 8, velocity.lateral);
       putNumber(place + 40, velocity.turning);

@@ -46,7 +46,8 @@ class Played {
   /**
    * @brief Take an item of a report, if it says what is to be played, or how a robot moves.
    * @param frame the bytes that @p item points into. @param now the instant of its turn.
-   * @return whether the item is done; a MOTION is not if there is a radio, which needs it, too.
+   * @return whether the item is done; a robot's MOTION is not if there is a radio, which needs it,
+   * too.
    * @throws wire::MalformedFrame if it is no motion, or a series does not begin after @p now, or
    * has wrong slots.
    */
@@ -61,6 +62,7 @@ class Played {
   struct Slot {
     wire::Slot kind;
     std::size_t place;
+    std::uint32_t mover;  // whose motion it shows: the sub, or that of its odometry
   };
   struct Series {
     wire::Play play;
@@ -75,7 +77,7 @@ class Played {
   std::vector<Series*> takeDue(Nanoseconds now);
   void fill(char* bytes, const Series& series, Nanoseconds now) const;
 
-  std::map<std::uint32_t, motion::Motion> motions_;  // by sub
+  std::map<std::uint32_t, motion::Motion> motions_;  // by sub, or by that of an odometry
   std::vector<Series> series_;
   std::vector<Due> due_;  // a heap, the earliest first
   std::shared_ptr<const std::string> frame_;

@@ -194,20 +194,21 @@ TEST(Played, NumbersAndStampsAreWrittenIntoTheMessages) {
   EXPECT_EQ(heard(stage, 2), "<" + bytesOf(8) + "|" + bytesOf(5) + bytesOf(5) + ">");
 }
 
-TEST(Played, PosesAndVelocitiesFollowFromTheMotion) {
-  Linked stage;
-  const std::string motion = pieces();
-  const std::string slots = slot(wire::Slot::kPose, 0) + slot(wire::Slot::kTwist, 56);
-  const std::string payload(56 + 48, '.');
-  stage.report(1, 9 * kSecond, {wire::Motion{0, "robot_0", motion}, plays(3, payload, 1, slots)});
-  stage.report(2, kNever);
-  for (const double elapsed : {1.0, 2.0}) {
-    const double half = (0.5 + elapsed) / 2.0;
-    const std::string dots(8, '.');
-    EXPECT_EQ(heard(stage, 2), bytesOf(1.0 + elapsed) + bytesOf(2.0) + dots + dots + dots +
-                                   bytesOf(std::sin(half)) + bytesOf(std::cos(half)) +
-                                   bytesOf(1.0) + bytesOf(0.0) + dots + dots + dots + bytesOf(1.0));
+TEST(Played, PosesAndVelocitiesFollowFromTheMotionOfTheRobotOrOfItsOdometry) {
+  for (const std::uint32_t sub : {0U, wire::kOdometry}) {
+    Linked stage;
+    const std::string motion = pieces(), payload(56 + 48, '.'), dots(24, '.');
+    const std::string slots = slot(sub == 0 ? wire::Slot::kPose : wire::Slot::kOdomPose, 0) +
+                              slot(sub == 0 ? wire::Slot::kTwist : wire::Slot::kOdomTwist, 56);
+    stage.report(1, 9 * kSecond, {wire::Motion{sub, "r", motion}, plays(3, payload, 1, slots)});
     stage.report(2, kNever);
+    for (const double elapsed : {1.0, 2.0}) {
+      const double half = (0.5 + elapsed) / 2.0;
+      EXPECT_EQ(heard(stage, 2), bytesOf(1.0 + elapsed) + bytesOf(2.0) + dots +
+                                     bytesOf(std::sin(half)) + bytesOf(std::cos(half)) +
+                                     bytesOf(1.0) + bytesOf(0.0) + dots + bytesOf(1.0));
+      stage.report(2, kNever);
+    }
   }
 }
 

@@ -83,7 +83,7 @@ def _constants(table):
     if table['NEVER'] != 2 ** 63 - 1:
         raise ValueError('NEVER must be the largest i64, got {}'.format(table['NEVER']))
     return ''.join('constexpr std::uint32_t k{} = {}U;\n'.format(_camel(name), table[name])
-                   for name in ('PROTOCOL', 'LARGEST_FRAME', 'LARGEST_HELLO', 'CONNECT_RETRY_MS',
+                   for name in ('PROTOCOL', 'ODOMETRY', 'LARGEST_FRAME', 'LARGEST_HELLO', 'CONNECT_RETRY_MS',
                                 'CONNECT_REMINDER_MS')) + '\n'
 
 

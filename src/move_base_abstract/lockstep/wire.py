@@ -11,12 +11,12 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, Callable, List, Tuple, Union
 
 from . import wire_format
-from .wire_format import LARGEST_FRAME, NEVER, PROTOCOL
+from .wire_format import LARGEST_FRAME, NEVER, ODOMETRY, PROTOCOL
 
 if TYPE_CHECKING:
     from .wire_format import Layout
 
-__all__ = ['LARGEST_FRAME', 'NEVER', 'PROTOCOL']
+__all__ = ['LARGEST_FRAME', 'NEVER', 'ODOMETRY', 'PROTOCOL']
 MAX_RANK = 2 ** 31 - 1  # a rank has 32 bits with its sign
 
 FRAMES = {layout.name: layout for layout in wire_format.PARTICIPANT_FRAMES + wire_format.MASTER_FRAMES}

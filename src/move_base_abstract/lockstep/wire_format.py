@@ -14,8 +14,10 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 10
+PROTOCOL = 11
 NEVER = 2 ** 63 - 1
+#: added to the index of a robot: the motion of its odometry, instead of its own
+ODOMETRY = 2 ** 31
 #: the largest frame, without its length field [bytes]; a longer one is refused before it is stored
 LARGEST_FRAME = 256 * 1024 * 1024
 #: the same for HELLO, before which any program may be at the other end
@@ -34,8 +36,8 @@ CHOICES = {
     # at its own wake-ups (UNREAD).
     'Delivery': ((0, 'NOTHING'), (1, 'NEWS'), (2, 'ALL'), (3, 'LATER'), (4, 'UNREAD')),
     # What differs in the later messages of PLAY: its number (u32), its stamp (two u32), the x, y and heading of a
-    # geometry_msgs/Pose, the speeds of a geometry_msgs/Twist.
-    'Slot': ((0, 'NUMBER'), (1, 'STAMP'), (2, 'POSE'), (3, 'TWIST')),
+    # geometry_msgs/Pose, the speeds of a geometry_msgs/Twist; the last two of the robot's odometry.
+    'Slot': ((0, 'NUMBER'), (1, 'STAMP'), (2, 'POSE'), (3, 'TWIST'), (4, 'ODOM_POSE'), (5, 'ODOM_TWIST')),
     # ERROR: the bytes are the server's text. OK: they are the response. NO_SERVER: no member has this service.
     # SERVER_GONE: the server left, died or stopped serving before it answered.
     'CallStatus': ((0, 'ERROR'), (1, 'OK'), (2, 'NO_SERVER'), (3, 'SERVER_GONE')),
@@ -112,7 +114,8 @@ REPORT_ITEMS = (
     Layout(18, 'ASKS', ('text name',)),  # the participant has asked for this parameter, or for one below it
     Layout(19, 'IDLE', ('u32 count',)),  # the number of its threads that wait without end for work that may come
     Layout(20, 'KEEP_UNTIL', ('instant time_ns',)),  # simulated; from then on unread messages are a reason for a grant
-    Layout(21, 'MOTION', ('u32 sub', 'text robot',  # its name
+    Layout(21, 'MOTION', ('u32 sub',  # with ODOMETRY added: of the robot's odometry, and without a name
+                          'text robot',  # its name
                           'bytes pieces')),  # how it moves from now on
     # Messages that the time master makes and sends in the participant's place, until its next turn.
     Layout(22, 'PLAY', ('u32 topic', 'u32 sub', 'u32 target',  # as in SEND

@@ -232,7 +232,7 @@ class LockstepTiming:
     @staticmethod
     def tell_motion(robot: Robot, sub: int) -> None:
         """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio."""
-        playing.follow(sub, robot, lambda leg: packed(told(leg)))
+        playing.follow(sub, playing.Mover(robot.name, lambda: robot.leg, lambda leg: packed(told(leg))))
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
             def tell(now_ns: int) -> None:

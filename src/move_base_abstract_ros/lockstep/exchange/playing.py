@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import struct
 from heapq import heapify, heappop, heappush
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep import wire
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from ...clocks.lockstep_clock import LockstepClock
     from ...messages.packing import Pack
 
-_MOVING = (wire.Slot.POSE, wire.Slot.TWIST, None)
+#: {kind of a slot of a motion: what is added to the robot's index}
+_MOVING = {wire.Slot.POSE: 0, wire.Slot.TWIST: 0, wire.Slot.ODOM_POSE: wire.ODOMETRY,
+           wire.Slot.ODOM_TWIST: wire.ODOMETRY, None: 0}
 _SLOT = struct.Struct('<BI')
 # An onlooker that comes hears a topic from the participant's next turn on, so turns must not be too far apart.
 _LONGEST_NS = 2 * NS_PER_S
@@ -45,7 +47,7 @@ class Play(NamedTuple):
     payload: bytes
     slots: Optional[bytes]  # None: later ones are told one by one
     is_once: bool  # not if one of its topic and robot has been sent at this instant
-    moves: bool  # whether it has slots of the motion
+    moves: Sequence[int]  # the indices of the motions of which it has slots
 
 
 class Stretch(NamedTuple):
@@ -59,6 +61,14 @@ class Stretch(NamedTuple):
     plays: List[Play]
 
 
+class Mover(NamedTuple):
+    """A robot: its name, what it drives (None: it stands), and how that is said in MOTION; or its odometry."""
+
+    name: str
+    motion: Callable[[], Any]
+    packed: Callable[[Any], bytes]
+
+
 class _Recording:
     """What the action that is being done would send; ``plays`` is None outside of a recording."""
 
@@ -68,12 +78,12 @@ class _Recording:
 
 
 _recording = _Recording()
-_movers: Dict[int, Tuple[Robot, Callable[[Any], bytes]]] = {}  # {index: robot of this process, and see follow()}
+_movers: Dict[int, Mover] = {}  # {index: robot of this process}; with ODOMETRY added: its odometry
 
 
-def follow(index: int, robot: Robot, packed: Callable[[Any], bytes]) -> None:
-    """Play poses and velocities of ``robot`` with ``index``, too; ``packed(leg)`` says in MOTION what it drives."""
-    _movers[index] = robot, packed
+def follow(index: int, mover: Mover) -> None:
+    """Play poses and velocities of the robot with ``index``, too."""
+    _movers[index] = mover
 
 
 def is_recording() -> bool:
@@ -105,9 +115,10 @@ def note(impl: Any, pack: Pack) -> None:
     if len(impl.connections) > 1 or impl.closed or not hasattr(link, 'address'):
         raise NotPlayable(impl.resolved_name)
     address = link.address()
-    moves = slots is not None and any(kind in _MOVING for kind, _ in slots) and _movers[address[1]][0].leg is not None
+    movers = dict.fromkeys(address[1] + _MOVING[kind] for kind, _ in slots or () if kind in _MOVING)
+    moves = [mover for mover in movers if _movers[mover].motion() is not None]
     if moves and any(kind is None for kind, _ in slots):  # packing.SHIFTED
-        slots, moves = None, False
+        slots, moves = None, []
     elif slots is not None and not moves:
         slots = [slot for slot in slots if slot[0] not in _MOVING]  # of a robot that stands: they stay
     number = _recording.numbers[impl] = _recording.numbers.get(impl, impl.seq) + 1
@@ -152,8 +163,8 @@ class Player:
         for one in self._played:
             for play in one.plays:
                 topic, sub, targets = play.address
-                if play.moves:
-                    self._tell_motion(sub, items)
+                for mover in play.moves:
+                    self._tell_motion(mover, items)
                 items += [wire.play(topic, sub, target, play.is_once, play.number, one.first_ns, one.period_ns,
                                     play.payload, play.slots or b'') for target in targets]
         return before_ns
@@ -171,10 +182,11 @@ class Player:
             _recording.plays = None
 
     def _tell_motion(self, sub: int, items: List[Any]) -> None:
-        robot, packed = _movers[sub]
-        if self._moving.get(sub) is not robot.leg:
-            self._moving[sub] = robot.leg
-            items.append(wire.motion(sub, robot.name, packed(robot.leg)))
+        name, motion, packed = _movers[sub]
+        leg = motion()
+        if self._moving.get(sub) is not leg:
+            self._moving[sub] = leg
+            items.append(wire.motion(sub, name, packed(leg)))
 
     def happened(self, until_ns: int) -> None:
         """Go on after ``until_ns`` [ns], up to which all has been played; nothing more will be."""
