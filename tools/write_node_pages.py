@@ -53,12 +53,18 @@ WITHIN = {'durations': durations.TABLE, 'failures': failures.TABLE, 'buggify': b
           'driving': driving.TABLE,
           'laser': laser.TABLE, 'stage': _robot('stage_'), 'gazebo': _robot('gazebo_'),
           'map': _robot('use_map', 'map_topic', 'allow_')}
+#: parameters of all robots that one under velocities has use for; of rooms with a table of their own only the first
+_OF_ALL = ('start_x', 'start_y', 'start_yaw', 'global_frame', 'odom_frame', 'robot_base_frame', 'tf_prefix', 'use_map',
+           'map_topic', 'pose_update_freq', 'max_pose_rate', 'scan_rate', 'battery_capacity',
+           'failure_kind', 'marker_topic', 'marker_size', 'log_motion', 'seed')
 _LOCKSTEP = ('Of every node that takes part in lockstep', node_parameters.TABLE)
 _SCENARIO = 'Keys of a scenario, instead of the file'
 _ACTIONLIB = ('Of actionlib, found as actionlib finds them', node_tables.ACTIONLIB)
 #: {node: [(heading of its table or '', Parameters)]}
 TABLES = {
     'move_base': [('', robot_table.LIMITS + robot_table.TABLE), _LOCKSTEP, _ACTIONLIB],
+    'velocity_robot': [('', (*driving.TABLE[1:], *robot_table.SHOWN)), ('Of all robots', [
+        one for one in robot_table.TABLE if one.name in _OF_ALL]), _LOCKSTEP],
     'fleet': [('', node_tables.FLEET), (_SCENARIO, node_tables.FLEET_INLINE), _LOCKSTEP, _ACTIONLIB],
     'task_server': [('', node_tables.TASK_SERVER), (_SCENARIO, node_tables.TASK_SERVER_INLINE), _LOCKSTEP, _ACTIONLIB],
     'task_source': [('', node_tables.TASK_SOURCE), (_SCENARIO, node_tables.TASK_SOURCE_INLINE), _LOCKSTEP],

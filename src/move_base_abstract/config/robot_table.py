@@ -29,6 +29,8 @@ from . import upstream
 
 DEFAULT_SPEED = 0.5
 _PATIENT = ('abort_policy', 'upstream')
+#: what is set for a robot that is driven by velocities
+DRIVEN = ('driven_by', 'velocities')
 
 #: the ways in which a robot finds its way
 ROUTES = ('none', 'grid', 'lanes', 'matrix')
@@ -43,6 +45,32 @@ XY_TOLERANCE = Parameter('xy_goal_tolerance', 0.0, number(low=0.0, unit='m'),
 YAW_TOLERANCE = Parameter('yaw_goal_tolerance', 0.0, number(low=0.0, unit='rad'),
                           "The robot stops turning this far short of the heading; a planner's group is asked before "
                           'the default.')
+
+#: of a robot that is driven by velocities: what it publishes and hears
+SHOWN = (
+    Parameter('publish_rate', None, number(0.0, 1000.0, unit='Hz, simulated', note='0 = when it begins to stand only'),
+              'Rate of odometry, ground truth and tf; the name of diff_drive_controller. If it is not set, '
+              '`pose_update_freq` counts.', needs=DRIVEN),
+    Parameter('base_frame_id', None, FRAME,
+              'The same as `robot_base_frame`, under the name of diff_drive_controller; both set is an error.',
+              needs=DRIVEN),
+    Parameter('odom_frame_id', None, FRAME,
+              'The same as `odom_frame`, under the name of diff_drive_controller; both set is an error.', needs=DRIVEN),
+    Parameter('footprint_frame', None, string('the name of a frame, or an empty text for none'),
+              'Frame between the odom and the base frame, at the same place as the base frame. If it is not set, it is '
+              '`base_footprint`, as with stage_ros, if the base frame is `base_link`; otherwise there is none.',
+              needs=DRIVEN),
+    Parameter('enable_odom_tf', True, FLAG,
+              'Whether the pose in the odom frame is on tf; the name of diff_drive_controller.', needs=DRIVEN),
+    Parameter('publish_map_frame', False, FLAG,
+              'Whether `global_frame -> odom` is on tf, too, as from a perfect localizer.', needs=DRIVEN),
+    Parameter('odom_origin', None, numbers(3, 'a list [x, y, yaw] [m, m, rad, global frame]'),
+              'Where the odom frame lies. If it is not set, it lies where the robot starts, as with stage_ros.',
+              needs=DRIVEN),
+    Parameter('use_stamped_vel', False, FLAG, 'Whether `cmd_vel` has TwistStamped instead of Twist.', needs=DRIVEN),
+    Parameter('initialpose_moves', True, FLAG,
+              'Whether a pose on `initialpose` moves the robot there. With a localizer it must not: it is a guess.'),
+)
 
 TABLE = (
     Parameter('turn_rate', 0.0, number(low=0.0, unit='rad/s', note='0 = turning takes no time'),
@@ -150,6 +178,7 @@ TABLE = (
               'The last part of this name is used for topics and a service.'),
     Parameter('seed', 0, integer(0), 'Seed of all draws for the robot.'),
     *DRIVING,
+    *SHOWN,
     *DURATIONS,
     *FAILURES,
     *BUGGIFY,

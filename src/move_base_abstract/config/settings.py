@@ -43,9 +43,12 @@ from .local_planner import (
     PlannerGroup,
     leaves,
 )
-from .robot_table import ACCELERATION, LIMITS, NEEDS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
+from .robot_table import ACCELERATION, DRIVEN, LIMITS, NEEDS, OWN_NAMES, SPEED, TABLE, XY_TOLERANCE, YAW_TOLERANCE
 
-_ODOM = 'odom'
+_ODOM, _LINK, _FOOTPRINT = 'odom', 'base_link', 'base_footprint'
+_SCANS_OF_STAGE = 'base_scan'
+#: the names of diff_drive_controller for parameters of a robot under velocities, and ours
+_NAMED_TWICE = (('base_frame_id', 'robot_base_frame'), ('odom_frame_id', 'odom_frame'))
 #: (our parameter, the costmap that has it in an existing set-up, its key there, the default)
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),
@@ -122,6 +125,20 @@ class RobotSettings:
         """The full name of the odometry's frame; without a map it may be the global frame itself."""
         return self.frame(self.values['odom_frame'])
 
+    @property
+    def footprint_frame(self) -> str:
+        """The frame between the odom and the base frame of a robot under velocities, without prefix; '': none."""
+        given = self.values['footprint_frame']
+        if given is None:
+            return _FOOTPRINT if self.values['robot_base_frame'] == _LINK else ''
+        return str(given)
+
+    @property
+    def odom_origin(self) -> Pose2D:
+        """Where the odom frame of a robot under velocities lies in the global frame."""
+        origin = self.values['odom_origin']
+        return self.start if origin is None else Pose2D(*origin)
+
     def frame(self, frame_id: str) -> str:
         """Return the robot's own frame ``frame_id`` with its tf prefix, unless it has the prefix already."""
         if not self.tf_prefix or frame_id.startswith(self.tf_prefix + '/'):
@@ -140,7 +157,7 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         raise error(place_of(where, 'encounters'), raw['encounters'],
                     "at the top of a fleet's scenario, or as a parameter of the node fleet: robots of different "
                     'processes, such as this node, cannot meet')
-    values = read_table(raw, TABLE, where)
+    values = _values(raw, where)
     network = _check_routes(values, where)
     planner = PlannerGroup(raw, where)
     speed = _limit(raw, SPEED, where, planner.speed)
@@ -169,6 +186,24 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
     if values['compatible_with'] is not None:
         return _as_original(settings, raw, where)
     return settings if values['calibration'] is None else _calibrated(settings, raw, where)
+
+
+def _values(raw: Mapping[str, Any], where: str) -> Dict[str, Any]:
+    """Return the values of TABLE; those that a robot under velocities names, or leaves out, as other simulators do."""
+    values = read_table(raw, TABLE, where)
+    if values[DRIVEN[0]] != DRIVEN[1]:
+        return values
+    for theirs, own in _NAMED_TWICE:
+        if values[theirs] is not None:
+            if values[own] is not None:
+                raise error(place_of(where, theirs), values[theirs], 'one of the two',
+                            f' with {own}: {values[own]}, which is the same')
+            values[own] = values[theirs]
+    if values['publish_rate'] is not None:
+        values['pose_update_freq'] = values['publish_rate']
+    if 'scan_topic' not in raw:
+        values['scan_topic'] = _SCANS_OF_STAGE
+    return values
 
 
 def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:

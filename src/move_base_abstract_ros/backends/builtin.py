@@ -60,7 +60,7 @@ class BuiltinBackend:
 
     def rests(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish odometry and ground truth of a robot that stands at ``pose``. ``amcl_pose`` is not published then."""
-        self._odometry.show(pose, (0.0, 0.0), stamp_ns)
+        self._odometry.show(pose, (0.0, 0.0, 0.0), stamp_ns)
 
     def heartbeat(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""

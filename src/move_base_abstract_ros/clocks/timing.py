@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any, Callable, ContextManager, Dict, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, ContextManager, Dict, Optional, Sequence, Union
 
 import rospy
 
@@ -25,6 +25,7 @@ from .ros_clock import RosClock
 from .throttle import NoThrottle, WallThrottle
 
 if TYPE_CHECKING:
+    from move_base_abstract.driving.odometry import Odometry
     from move_base_abstract.motion.robot import Robot
 
     from ..lockstep import Participant
@@ -129,8 +130,8 @@ class ScaledTiming:
         """Do nothing. It is called before robots are made."""
 
     @staticmethod
-    def tell_motion(_robot: Robot, _sub: int) -> None:
-        """Do nothing: on the scaled clock there is no radio."""
+    def tell_motion(_robot: Robot, _sub: int, _odometry: Optional[Odometry] = None) -> None:
+        """Do nothing: on the scaled clock nothing is played, and there is no radio."""
 
     @staticmethod
     def claim_frames(robot: str, frames: Sequence[str]) -> None:
@@ -230,9 +231,15 @@ class LockstepTiming:
         tf_hub.tell_newcomers()
 
     @staticmethod
-    def tell_motion(robot: Robot, sub: int) -> None:
-        """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio."""
+    def tell_motion(robot: Robot, sub: int, odometry: Optional[Odometry] = None) -> None:
+        """Report the motion of ``robot``, which has the index ``sub``, to the time master, if hosts have a radio.
+
+        What is played shows it, and that of its ``odometry``.
+        """
         playing.follow(sub, playing.Mover(robot.name, lambda: robot.leg, lambda leg: packed(told(leg))))
+        if odometry is not None:
+            playing.follow(sub + wire.ODOMETRY, playing.Mover('', lambda: odometry.motion,
+                                                              lambda leg: packed(told(leg))))
         participant = lockstep.participant()
         if participant is not None and participant.has_radio:
             def tell(now_ns: int) -> None:

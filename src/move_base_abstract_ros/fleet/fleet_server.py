@@ -1,4 +1,4 @@
-"""Many robots in one process. Each is a :class:`MoveBaseServer`; services add, remove and reset robots."""
+"""Many robots in one process. Each is a :class:`RobotServer`; services add, remove and reset robots."""
 from __future__ import annotations
 
 import threading
@@ -18,19 +18,22 @@ from move_base_abstract.traffic.control import Traffic
 
 from ..markers import world_markers
 from ..replacing.bulk_registration import bulk_registration
-from ..robot.move_base_server import MoveBaseServer
 from ..robot.names import RobotNames
+from ..robot.robot_node import server_class
+from ..robot.velocity_server import NODE
 from .traffic_interface import TrafficInterface
 
 if TYPE_CHECKING:
     from move_base_abstract.scenario import RobotSpec, Scenario
 
     from ..robot.host import Host
+    from ..robot.robot_server import RobotServer
 
 
-def robot_names(namespace: str, name: str) -> RobotNames:
-    """Return the RobotNames of the robot ``name`` of a fleet in ``namespace``."""
-    return RobotNames('{}/{}'.format(namespace.rstrip('/'), name))
+def robot_names(namespace: str, spec: RobotSpec) -> RobotNames:
+    """Return the RobotNames of the robot of ``spec`` (RobotSpec) in a fleet in ``namespace``."""
+    return RobotNames('{}/{}'.format(namespace.rstrip('/'), spec.name),
+                      'move_base' if spec.settings.drive is None else NODE)
 
 
 #: {parameter: field of a request to add a robot that takes its place}
@@ -51,7 +54,7 @@ class FleetServer:
         self._defaults = scenario.defaults
         self._traffic = Traffic(host.clock.simulation, scenario.zones, scenario.traffic)
         self._rooms = None if scenario.places is None else Rooms(host.clock.simulation, scenario.places)
-        self._robots: Dict[str, MoveBaseServer] = {}
+        self._robots: Dict[str, RobotServer] = {}
         self._frames: Dict[str, str] = {}  # {tf frame: name of its robot}
         self._indices = indices
         self._changes = threading.Lock()  # rospy has a thread for each call of a service
@@ -84,8 +87,8 @@ class FleetServer:
         if settings.tf_prefix is None:
             settings = replace(settings, tf_prefix=spec.name)
         try:
-            self._robots[spec.name] = MoveBaseServer(robot_names(self._namespace, spec.name), settings, self._host,
-                                                     index, self._traffic, self._rooms)
+            self._robots[spec.name] = server_class(settings)(
+                robot_names(self._namespace, spec), settings, self._host, index, self._traffic, self._rooms)
         except BaseException:
             self._forget_frame(spec.name)
             raise

@@ -97,8 +97,9 @@ class RobotMarkers:
     def view(self, now_ns: int) -> View:
         """Return the :class:`View` of the robot at ``now_ns`` [ns]. The caller must hold the clock's lock."""
         robot, leg = self._navigator.robot, self._navigator.robot.leg
-        way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg else None
-        return View(robot.pose_at(now_ns), self._navigator.travel.target, way, self._state(), self._is_changing)
+        target = self._navigator.travel.target  # a robot under velocities has no goal, and no way that is known
+        way = (leg.start, *(Pose2D(x, y) for x, y in leg.corners), leg.end) if leg and target else None
+        return View(robot.pose_at(now_ns), target, way, self._state(), self._is_changing)
 
 
 class _Board(rospy.SubscribeListener):

@@ -30,6 +30,7 @@ HEADER_SLOTS: Any = ((wire.Slot.NUMBER, 0), (wire.Slot.STAMP, 4))
 PLAIN_POSE_SLOTS: Any = ((wire.Slot.POSE, 0),)
 #: the bytes of a geometry_msgs/Twist of zeros, of a robot at rest
 ZERO_TWIST = bytes(48)
+_OF_ODOMETRY = {wire.Slot.POSE: wire.Slot.ODOM_POSE, wire.Slot.TWIST: wire.Slot.ODOM_TWIST}
 _COVARIANCE = bytes(288)
 _STAMP = struct.Struct('<II')
 _LENGTH = struct.Struct('<I')
@@ -164,14 +165,23 @@ def behind_header(size: int, slots: Slots) -> Slots:
     return None if slots is None else (*HEADER_SLOTS, *((kind, begin + place) for kind, place in slots))
 
 
-def slots_of_transforms(frames: Sequence[InFrame]) -> Slots:
-    """Return the slots of :func:`transforms` with one of each of ``frames``, if the robot's pose is in the last one."""
+def slots_of_transforms(frames: Sequence[InFrame], moving: int = -1, is_odometry: bool = False) -> Slots:
+    """Return the slots of :func:`transforms` with one of each of ``frames``.
+
+    The robot's pose, or with ``is_odometry`` that of its odometry, is in the one at the place ``moving``.
+    """
     slots: List[Any] = []
-    begin = _LENGTH.size
+    ends = [_LENGTH.size]
     for frame in frames:
-        slots.append((wire.Slot.STAMP, begin + 4))
-        begin += frame.transform_size
-    return (*slots, (wire.Slot.POSE, begin - 56))
+        slots.append((wire.Slot.STAMP, ends[-1] + 4))
+        ends.append(ends[-1] + frame.transform_size)
+    found = (*slots, (wire.Slot.POSE, ends[1:][moving] - 56))
+    return of_odometry(found) if is_odometry else found
+
+
+def of_odometry(slots: Any) -> Slots:
+    """Return ``slots`` for poses and velocities of the robot's odometry instead of its own."""
+    return [(_OF_ODOMETRY.get(kind, kind), place) for kind, place in slots]
 
 
 def status(goal_id: str, stamp_ns: int, state: int, said: str) -> bytes:

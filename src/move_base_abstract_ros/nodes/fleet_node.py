@@ -45,7 +45,7 @@ def _build():
     check_one_process(scenario, parts, where)
     specs = _share(scenario.robots, part, parts)
     namespace = rospy.get_namespace()
-    if not start(clock, timing, [(robot_names(namespace, spec.name), spec.settings) for _, spec in specs]):
+    if not start(clock, timing, [(robot_names(namespace, spec), spec.settings) for _, spec in specs]):
         return None
     # Robots that are added later get indices that no other process of this fleet uses.
     host = Host(clock, timing, is_crowded=True, zones=scenario.zones,

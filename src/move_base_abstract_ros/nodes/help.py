@@ -15,6 +15,8 @@ PROGRAMS = {
         'move_base': ('simulates one robot, with the interface of `move_base`', 'move_base.md', 'move_base_node'),
         'move_base_abstract_actionserver': ("simulates the same robot, with the original package's seven arguments",
                                             'move_base_abstract_actionserver.md', 'actionserver_node'),
+        'velocity_robot': ('simulates one robot that is driven by velocities, in the place of Stage or of a driver',
+                           'velocity_robots.md', 'velocity_robot_node'),
         'fleet': ('simulates many such robots in one process, from a scenario file', 'fleet.md', 'fleet_node'),
         'map_server': ("serves a map from a file, if the navigation stack's `map_server` is not installed",
                        'map_server.md', 'map_server_node'),

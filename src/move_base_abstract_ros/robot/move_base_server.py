@@ -1,95 +1,54 @@
 """One robot under move_base's interface: connects the core's navigator with topics, services and parameters."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence
 
 import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseActionGoal
 from nav_msgs.srv import SetMap, SetMapResponse
-from std_msgs.msg import Int32
 from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
-from move_base_abstract.fleet.robot_rows import tell_start, write
-from move_base_abstract.goals.activity import activity
-from move_base_abstract.goals.events import Beyond, Departed, Warned, motion_of, robot_stream
-from move_base_abstract.goals.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
+from move_base_abstract.fleet.robot_rows import tell_start
+from move_base_abstract.goals.events import Beyond, Departed, motion_of
 from move_base_abstract.goals.recovery import RecoveryPolicy
 
-from .. import backends, lockstep
-from ..clocks.throttle import WallThrottle
+from .. import backends
 from ..maps.costmap_topics import CostmapTopics
 from ..maps.planner_interface import PlannerInterface
 from ..maps.robot_map import RobotMap
-from ..markers import robot_markers
 from ..messages import conversions
 from ..replacing.single_connections import keep_apart
-from ..transforms import tf_watch
 from ..transforms.tf_lookup import TfLookup
-from .condition_server import ConditionServer
 from .goal_server import GoalServer
 from .reconfigure import Reconfigure
 from .robot_publisher import RobotPublisher
+from .robot_server import PriorityTopic, RobotServer
 from .teleport import Teleport
-from .work_server import ACTION as WORK, WorkServer
 
 if TYPE_CHECKING:
-    from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.goals.goal_pose import GoalPose
     from move_base_abstract.motion.leg import MotionLimits, Tolerances
-    from move_base_abstract.motion.robot import Robot
-    from move_base_abstract.tasks.room import Rooms
-    from move_base_abstract.traffic.control import Traffic
-    from move_base_abstract.traffic.traveller import Traveller
 
-    from ..backends import Backend
     from ..clocks.timing import Clock
-    from .host import Host
     from .names import RobotNames
-    from .scan_publisher import ScanPublisher
-
-_REPEATED_WARNINGS_RATE = 0.2  # Hz, wall
 
 
-class MoveBaseServer:
-    """One robot of a process's :class:`Host`."""
-
-    def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot_index: int = 0,
-                 traffic: Optional[Traffic] = None, rooms: Optional[Rooms] = None) -> None:
-        """``traffic``: the Traffic in which the robot takes part; None if it is alone.
-
-        ``rooms``: the Rooms in which it does tasks at places; None if it does no tasks.
-        """
-        clock = host.clock
-        self._traffic = traffic
-        self._traveller: Optional[Traveller] = None
-        self._priority: Optional[PriorityTopic] = None
-        self._rooms = rooms
-        self._work: Optional[WorkServer] = None
-        self._names = names
-        self._settings = settings
-        self._clock = clock
-        self._host = host
-        self._controller_frequency = settings.values['controller_frequency']
-        self._last_warning = None
-        self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
-        self._stream = robot_stream()
-        write(self._stream, 'trace', host.events.record(robot_index), settings.values['log_motion'])
-        self._stream.subscribe('shown', {Warned: self._warned, Beyond: host.warn_of_beyond})
-        if settings.original is not None:
-            self._stream.subscribe('shown', {Departed: self._compare})
-        with lockstep.sender(robot_index):
-            self._set_up(robot_index)
-        clock.follow_restarts(self._restart)
-        host.robot_count += 1  # last, so that a robot whose settings are refused does not count
+class MoveBaseServer(RobotServer):
+    """One robot of a process's :class:`Host` that travels to goals."""
 
     def _set_up(self, robot_index: int) -> None:
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
+        self._controller_frequency = settings.values['controller_frequency']
+        self._stream.subscribe('shown', {Beyond: host.warn_of_beyond})
+        if settings.original is not None:
+            self._stream.subscribe('shown', {Departed: self._compare})
         with clock.lock:
             clock.now_ns()
             self._build(robot_index)
-        self._teleport = Teleport(names, settings, clock, self.navigator, self._frames, self._prefetch_frame)
+        self._teleport = Teleport(names, settings, clock, self.navigator.robot, self.navigator.travel.place,
+                                  self._frames, self._prefetch_frame)
         self._localization = Localization(names, self._map, self._show, self._teleport.place) if (
             settings.values['backend'] in backends.BUILTIN) else None  # with other backends amcl itself may run
         self._planner_interface = PlannerInterface(names, settings, clock, self.navigator, self._map,
@@ -104,13 +63,6 @@ class MoveBaseServer:
         self._goal_server.start(self._ledger, self.navigator, self._prefetch)
         self._simple_goals.listen()
         self._map.follow_changes(self._map_changed)
-        if self._rooms is not None:
-            values = settings.values
-            self._work = WorkServer(names.topic(WORK), names.robot, robot_index, host, self._rooms, {
-                'seed': values['seed'], 'frame': values['global_frame'],
-                'feedback_freq': host.timing.task_feedback_frequency,
-                'min_answer_delay': values['min_answer_delay']}, self._stream, self.navigator.robot,
-                lambda: self.condition.is_out_of_order)
 
     def _build(self, robot_index: int) -> None:
         settings, values = self._settings, self._settings.values
@@ -121,91 +73,37 @@ class MoveBaseServer:
                                        self._stream, values)
         parts = make_robot_parts(settings, self._names.robot, robot_index, self._clock.simulation, self._stream,
                                  self._goal_server, self._lookup.lookup, make_planner(settings, self._map.check),
-                                 self._host.zones, encounters=self._host.encounters, contacts=self._host.contacts,
+                                 self._host.zones, encounters=self._host.encounters,
                                  patience_ns=lambda: self._clock.patience_ns(values['frame_timeout']))
-        robot, self._frames, self._ledger, self.navigator, self.condition, self.driver = parts
+        robot, self._frames, self._ledger, self.navigator, self.condition = parts[:5]
         self._host.timing.tell_motion(robot, robot_index)
         tell_start(self._stream, robot, settings.durations, self._clock.look_ns())
         self.navigator.feedback.set_frequency(values['feedback_freq'])
         costmaps = CostmapTopics(self._names, settings, self._host, self._map)
         self._publisher = RobotPublisher(self._names, settings, self._host, robot, backend, costmaps,
                                          self._stream)
-        self._frames_told = backend.frames
-        self._host.surroundings.add(robot, values['global_frame'], settings.costmaps.global_footprint)
-        self._scans = self._make_scans(robot, backend)
-        self._host.timing.claim_frames(self._names.robot, self._frames_told)
-        self._condition_server = ConditionServer(self._names, settings, self._host, robot_index, self.condition,
-                                                 self._stream)
-        self._markers = robot_markers.add(self._clock, settings, self.navigator, self._stream, self._state,
-                                          self.condition.battery is not None)
-        if self._traffic is not None:
-            self._traveller = self._traffic.join(self.navigator, settings.network, self._stream,
-                                                 values['priority'])
-        self.condition.begin(self._clock.simulation.now_ns)
-
-    def _make_scans(self, robot: Robot, backend: Backend) -> Optional[ScanPublisher]:
-        if not self._settings.laser.rate:
-            return None
-        from .scan_publisher import ScanPublisher  # imported here, because only robots with a laser need numpy
-        return ScanPublisher(self._names, self._settings, self._host, robot, backend, self._map)
+        self._begin(robot, backend, robot_index)
 
     def shut_down(self) -> None:
         """End the active goal as a killed move_base does, and send its answer."""
-        if self._work is not None:
-            self._work.shut_down(NODE_KILLED)
-        with self._clock.lock:
-            self.navigator.close(NODE_KILLED, self._clock.now_ns())
+        super().shut_down()
         self._goal_server.flush()
 
-    def close(self) -> None:
-        """Remove the robot from the world: end its goal, and unregister its topics and services."""
-        if self._work is not None:
-            self._work.close(ROBOT_REMOVED)
-        for part in (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
-                     self._condition_server, self._localization, self._priority):
-            if part is not None:
-                part.close()
-        with self._clock.lock:
-            now_ns = self._clock.now_ns()
-            self.condition.close()
-            self.navigator.close(ROBOT_REMOVED, now_ns)
-            if self._traveller is not None:
-                self._traveller.leave(now_ns)
-            self._clock.simulation.queue.guard(self.navigator.robot.index, None)
-            self._goal_server.flush()
+    def _topics(self) -> Sequence[Any]:
+        return (self._map, self._simple_goals, self._teleport, self._reconfigure, self._planner_interface,
+                self._condition_server, self._localization, self._priority)
+
+    def _forget_goals(self, is_removed: bool) -> None:
+        self._goal_server.flush()
+        if is_removed:
             self._goal_server.close()
-            self._publisher.close()
-            self._host.surroundings.remove(self.navigator.robot)
-            if self._scans is not None:
-                self._scans.close()
-            tf_watch.release(self._frames_told)
-            self._markers.close()
-            self._clock.leave_restarts(self._restart)
-        self._host.robot_count -= 1
+            return
+        self._ledger.clear()
+        self._goal_server.reset()
 
-    def reset(self) -> None:
-        """Set everything but the time as at the start: the start pose, the first limits, no goals."""
-        settings = self._settings
-        if self._work is not None:
-            self._work.shut_down(ROBOT_RESET)
-        with self._clock.lock:
-            now_ns = self._clock.now_ns()
-            self.navigator.reset(ROBOT_RESET, now_ns)
-            self._goal_server.flush()
-            self._ledger.clear()
-            self._goal_server.reset()
-            self.condition.reset(now_ns)
-            self.navigator.robot.set_motion(settings.limits, settings.tolerances)
-            self.navigator.robot.reset(settings.start, now_ns)
-            self._stream.tell(motion_of(self.navigator.robot, now_ns))
-            self.navigator.travel.tell_stands(now_ns)
-
-    def _restart(self, before_ns: int, now_ns: int) -> None:
-        self._publisher.restart()
-        if self._scans is not None:
-            self._scans.restart(now_ns)
-        self.condition.restart(now_ns - before_ns)
-        self.navigator.restart(before_ns, now_ns)
+    def _put_at_start(self, now_ns: int) -> None:
+        self.navigator.robot.set_motion(self._settings.limits, self._settings.tolerances)
+        super()._put_at_start(now_ns)
 
     def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
         """Use other limits (MotionLimits) and tolerances (Tolerances) from the next leg on."""
@@ -228,9 +126,6 @@ class MoveBaseServer:
                 self._host.rates.changed()
         self._planner_interface.set_add_unreachable_goal(config['make_plan_add_unreachable_goal'])
 
-    def _state(self) -> str:
-        return activity(self.navigator, self.condition, None if self._work is None else self._work.tasks)
-
     def _show(self) -> None:
         with self._clock.lock:
             self._publisher.place(self._clock.now_ns())
@@ -240,12 +135,6 @@ class MoveBaseServer:
         assert robot.leg is not None and law is not None  # it departs; without a law nothing is subscribed
         rospy.loginfo('%s: %s', robot.name, law.compare(robot.leg.distance, robot.limits))
 
-    def _warned(self, event: Any) -> None:
-        """Log a warning; the same text at most once in 5 s of wall time."""
-        if event.text != self._last_warning or self._warning_throttle.ready():
-            self._last_warning = event.text
-            rospy.logwarn('%s: %s', self._names.robot, event.text)
-
     def _map_changed(self) -> None:
         with self._clock.lock:
             if self.navigator.travel.target is not None:
@@ -254,11 +143,6 @@ class MoveBaseServer:
     def _prefetch(self, goal: GoalPose) -> None:
         self._map.wait()
         self._prefetch_frame(goal.frame_id, goal.stamp_ns)
-
-    def _prefetch_frame(self, frame_id: str, stamp_ns: int) -> None:
-        """Wait until a foreign frame is known in tf, or for a while. This blocks only the topic that asks for it."""
-        if self._frames.is_foreign(frame_id) and not frame_id.startswith('/'):
-            self._lookup.wait_for(frame_id, stamp_ns)
 
 
 class Localization:
@@ -299,24 +183,6 @@ class Localization:
         if text:
             rospy.logwarn('%s: set_map: %s', self._robot, text)
         return SetMapResponse(success=not text)
-
-
-class PriorityTopic:
-    """Sets the priority of ``traveller`` (Traveller), which is the robot with ``names`` in the traffic."""
-
-    def __init__(self, names: RobotNames, clock: Clock, traveller: Traveller) -> None:
-        self._clock = clock
-        self._traveller = traveller
-        self._subscriber = rospy.Subscriber(names.own('priority'), Int32, self._on_priority, queue_size=10,
-                                            tcp_nodelay=True)
-
-    def close(self) -> None:
-        """Unregister the topic."""
-        self._subscriber.unregister()
-
-    def _on_priority(self, message: Any) -> None:
-        with self._clock.lock:
-            self._traveller.set_priority(message.data, self._clock.now_ns())
 
 
 _CONNECT_SECONDS = 5.0  # for the clock's wait_until: wall time, or simulated time in lockstep

@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Type
 
 import rospy
 
+from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.config.settings import read_settings
 
 from ..clocks.timing import make_timing
@@ -16,12 +17,14 @@ from ..process.own_parameters import INHERITED, LOCKSTEP_PARAMETERS, own_paramet
 from ..transforms.tf_lookup import listen_to_static_frames
 from .host import Host
 from .move_base_server import MoveBaseServer
+from .velocity_server import VelocityServer
 
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
 
     from ..clocks.timing import Clock, Timing
     from .names import RobotNames
+    from .robot_server import RobotServer
 
 _LAST_WORDS_SECONDS = 0.1
 
@@ -35,7 +38,7 @@ def run(node_name: str, describe: Callable[[], Tuple[RobotNames, Mapping[str, An
 
 
 def _build(names: RobotNames, overrides: Mapping[str, Any],
-           default_tf_prefix: Optional[str]) -> Optional[MoveBaseServer]:
+           default_tf_prefix: Optional[str]) -> Optional[RobotServer]:
     """Return the robot's server, or None if ROS shuts down first.
 
     ``overrides``: {name: value} of parameters that take precedence over those of the parameter server.
@@ -45,9 +48,14 @@ def _build(names: RobotNames, overrides: Mapping[str, Any],
     settings = read_robot_settings(overrides, default_tf_prefix, timing.base_settings)
     if not start(clock, timing, [(names, settings)]):
         return None
-    server = MoveBaseServer(names, settings, Host(clock, timing))
+    server = server_class(settings)(names, settings, Host(clock, timing))
     clock.serve()
     return server
+
+
+def server_class(settings: RobotSettings) -> Type[RobotServer]:
+    """Return the class of the server of a robot with these ``settings``."""
+    return MoveBaseServer if settings.drive is None else VelocityServer
 
 
 def start(clock: Clock, timing: Timing,
@@ -85,12 +93,17 @@ def _inherited(raw: Mapping[str, Any]) -> Dict[str, str]:
 
 
 def _report(settings: RobotSettings, where: str) -> None:
-    limits = settings.limits
-    rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start (%g, %g, %g) in %s, backend %s',
-                  where, limits.max_speed, settings.speed_source,
-                  'unlimited' if limits.acceleration == float('inf') else '{:g} m/s^2'.format(limits.acceleration),
-                  settings.acceleration_source, settings.start.x, settings.start.y, settings.start.yaw,
-                  settings.values['global_frame'], settings.values['backend'])
+    start = '({0.x:g}, {0.y:g}, {0.yaw:g}) in {1}'.format(settings.start, settings.values['global_frame'])
+    limits, drive = settings.limits, settings.drive
+    if drive is not None:
+        rospy.loginfo('%s: abstract robot, driven by velocities on cmd_vel, %s; start %s', where,
+                      'stopped {:g} s after the last one'.format(drive.timeout_ns / NS_PER_S) if drive.timeout_ns
+                      else 'without a watchdog', start)
+    else:
+        rospy.loginfo('%s: abstract robot; speed %g m/s (%s), acceleration %s (%s), start %s, backend %s',
+                      where, limits.max_speed, settings.speed_source,
+                      'unlimited' if limits.acceleration == float('inf') else '{:g} m/s^2'.format(limits.acceleration),
+                      settings.acceleration_source, start, settings.values['backend'])
     if settings.ignored:
         rospy.loginfo('%s: %d parameters of costmaps, planners and recovery have no meaning here and are ignored',
                       where, len(settings.ignored))
@@ -98,6 +111,6 @@ def _report(settings: RobotSettings, where: str) -> None:
         rospy.logwarn(warning)
 
 
-def _say_goodbye(server: MoveBaseServer) -> None:
+def _say_goodbye(server: RobotServer) -> None:
     server.shut_down()
     time.sleep(_LAST_WORDS_SECONDS)  # rospy closes connections at once, even if messages are still queued on them

@@ -20,28 +20,34 @@ from ..messages import conversions
 
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
-    from move_base_abstract.goals.navigator import Navigator
     from move_base_abstract.motion.frames import RobotFrames
+    from move_base_abstract.motion.robot import Robot
 
     from ..clocks.timing import Clock
     from .names import RobotNames
 
 
 class Teleport:
-    """Listens for poses and passes them to ``navigator``. A pose that cannot be used moves nothing, and is reported."""
+    """Listens for poses, to which ``put(pose, now_ns)`` moves ``robot`` (Robot).
 
-    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Clock,
-                 navigator: Navigator, frames: RobotFrames, prefetch: Callable[[str, int], object]) -> None:
+    A pose that cannot be used moves nothing, and is reported.
+    """
+
+    def __init__(self, names: RobotNames, settings: RobotSettings, clock: Clock, robot: Robot,
+                 put: Callable[[Pose2D, int], object], frames: RobotFrames,
+                 prefetch: Callable[[str, int], object]) -> None:
         self._names = names
         self._clock = clock
-        self._navigator = navigator
+        self._robot = robot
+        self._put = put
         self._frames = frames
         self._prefetch = prefetch
-        self._subscribers = [
-            rospy.Subscriber(names.topic('initialpose'), PoseWithCovarianceStamped, lambda message: self._on_pose(
-                'initialpose', message.header, message.pose.pose), queue_size=1),
-            rospy.Subscriber(names.topic('set_pose'), Pose, lambda message: self._on_pose(
-                'set_pose', Header(), message), queue_size=1)]
+        self._subscribers = [rospy.Subscriber(names.topic('set_pose'), Pose, lambda message: self._on_pose(
+            'set_pose', Header(), message), queue_size=1)]
+        if settings.values['initialpose_moves']:
+            self._subscribers.insert(0, rospy.Subscriber(
+                names.topic('initialpose'), PoseWithCovarianceStamped, lambda message: self._on_pose(
+                    'initialpose', message.header, message.pose.pose), queue_size=1))
         if settings.values['backend'] not in STAGE:  # with Stage, the topic belongs to Stage
             values = settings.values
             self._world = Pose2D(values['stage_offset_x'], values['stage_offset_y'], values['stage_offset_yaw'])
@@ -64,7 +70,7 @@ class Teleport:
 
         In the original, too, such a robot soon publishes its own pose again.
         """
-        if message._connection_header['callerid'] != rospy.get_name() and self._navigator.robot.leg is None:
+        if message._connection_header['callerid'] != rospy.get_name() and self._robot.leg is None:
             self._on_pose('robot_pose', getattr(message, 'header', Header()), getattr(message, 'pose', message))
 
     def _on_pose(self, topic: str, header: Any, pose: Any, origin: Pose2D = Pose2D()) -> None:
@@ -90,5 +96,5 @@ class Teleport:
                     conversions.from_pose(message))
             except (FrameError, ValueError) as error:
                 return str(error)
-            self._navigator.travel.place(pose, now_ns)
+            self._put(pose, now_ns)
         return ''

@@ -19,7 +19,6 @@ from .links import sender
 
 if TYPE_CHECKING:
     from move_base_abstract.engine.event_queue import Series
-    from move_base_abstract.motion.robot import Robot
 
     from ...clocks.lockstep_clock import LockstepClock
     from ...messages.packing import Pack

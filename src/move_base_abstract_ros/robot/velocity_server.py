@@ -1,0 +1,183 @@
+"""One robot that is driven by velocities, as Stage or a driver has it: ``cmd_vel``, odometry, tf, scans, teleports."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, Sequence, Tuple
+
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped
+from std_srvs.srv import Empty, EmptyResponse
+
+from move_base_abstract.common.errors import FrameError
+from move_base_abstract.driving.odometry import Odometry
+from move_base_abstract.engine.event_queue import PARTICIPANTS
+from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
+from move_base_abstract.fleet.robot_rows import tell_start
+from move_base_abstract.goals.client import NoClient
+from move_base_abstract.goals.events import Stands
+from move_base_abstract.motion.frames import RobotFrames
+
+from .. import lockstep
+from ..backends.driven import DrivenBackend
+from ..maps.robot_map import RobotMap
+from ..transforms import tf_hub
+from ..transforms.tf_lookup import TfLookup
+from .robot_server import PriorityTopic, RobotServer
+from .teleport import Teleport
+
+if TYPE_CHECKING:
+    from move_base_abstract.config.settings import RobotSettings
+    from move_base_abstract.driving.driver import Driver
+    from move_base_abstract.motion.robot import Robot
+
+    from .host import Host
+
+#: the last part of the private names of such a robot in a fleet
+NODE = 'velocity_robot'
+
+
+class VelocityServer(RobotServer):
+    """One robot of a process's :class:`Host` that is driven by velocities. It has no goals."""
+
+    driver: Driver
+    _commands: rospy.Subscriber
+    _service: rospy.Service
+
+    def _set_up(self, robot_index: int) -> None:
+        names, settings, clock = self._names, self._settings, self._clock
+        with clock.lock:
+            clock.now_ns()
+            self._build(robot_index)
+        self._teleport = Teleport(names, settings, clock, self.navigator.robot, self.driver.teleport, self._frames,
+                                  self._prefetch_frame)
+        self._condition_server.serve()
+        if self._traveller is not None:
+            self._priority = PriorityTopic(names, clock, self._traveller)
+        self._map.follow_changes(self._use_map)
+        if self._map.check is not None:
+            self._use_map()
+        stamped = settings.values['use_stamped_vel']
+        self._commands = rospy.Subscriber(
+            names.topic('cmd_vel'), TwistStamped if stamped else Twist,
+            (lambda message: self._on_command(message.twist)) if stamped else self._on_command, queue_size=10,
+            tcp_nodelay=True)
+        self._service = rospy.Service(names.topic('reset_positions'), Empty, self._on_reset)
+
+    def _build(self, robot_index: int) -> None:
+        names, settings, values, host = self._names, self._settings, self._settings.values, self._host
+        self._map = RobotMap(names, settings, self._clock)
+        parts = make_robot_parts(settings, names.robot, robot_index, self._clock.simulation, self._stream,
+                                 NoClient(names.robot), _no_lookup, make_planner(settings, self._map.check),
+                                 host.zones, contacts=host.contacts)
+        robot, self.navigator, self.condition = parts.robot, parts.navigator, parts.condition
+        assert parts.driver is not None  # its settings are those of a robot that is driven by velocities
+        self.driver = parts.driver
+        odometry = Odometry(robot, settings.odom_origin)
+        self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
+        self._frames = RobotFrames(robot, values['global_frame'], values['global_frame'],
+                                   settings.frame(values['robot_base_frame']), self._lookup.lookup)
+        host.timing.tell_motion(robot, robot_index, odometry)
+        tell_start(self._stream, robot, None, self._clock.look_ns())
+        backend = DrivenBackend(names, settings, robot, odometry)
+        self._publisher = DrivePublisher(settings, host, robot, backend)
+        self._stream.subscribe('shown', {Stands: self._publisher.stands})
+        self._begin(robot, backend, robot_index)
+
+    def close(self) -> None:
+        """Remove the robot from the world, and unregister its topics and services."""
+        self._commands.unregister()
+        self._service.shutdown('the robot is removed')
+        super().close()
+
+    def _topics(self) -> Sequence[Any]:
+        return self._map, self._teleport, self._condition_server, self._priority
+
+    def _forget_goals(self, is_removed: bool) -> None:
+        if is_removed:
+            self.driver.close()
+
+    def _restart(self, before_ns: int, now_ns: int) -> None:
+        super()._restart(before_ns, now_ns)
+        self._publisher.start(now_ns)
+
+    def _put_at_start(self, now_ns: int) -> None:
+        self.driver.reset(self._settings.start, now_ns)
+
+    def _on_reset(self, _request: Any) -> Any:
+        self.reset()
+        return EmptyResponse()
+
+    def _on_command(self, twist: Any) -> None:
+        clock = self._clock
+        with clock.lock:
+            try:
+                self.driver.command(twist.linear.x, twist.linear.y, twist.angular.z, clock.now_ns())
+            except ValueError as fault:
+                self.warn('a command on cmd_vel is refused, and the one before it goes on: {}'.format(fault))
+
+    def _use_map(self) -> None:
+        with self._clock.lock:
+            self.driver.use_map(self._map.check.occupancy, self._clock.now_ns())
+
+
+class DrivePublisher:
+    """Publishes what ``backend`` (DrivenBackend) shows of ``robot`` at the rate of poses, whether it drives or not."""
+
+    def __init__(self, settings: RobotSettings, host: Host, robot: Robot, backend: DrivenBackend) -> None:
+        self._clock = host.clock
+        self._robot = robot
+        self._backend: Any = backend  # whose poses and velocities are pairs
+        backend.follow(self._present)
+        rate = settings.values['pose_update_freq']
+        self._throttle = host.throttle(settings.values['max_pose_rate'])
+        simulation = host.clock.simulation
+        self._series = simulation.series(robot.index, rate, self._tell, is_output=True,
+                                         is_heard=host.timing.when_heard(self._is_heard))
+        self._rates = host.rates
+        self._told = [host.rates.add('odometry', lambda: rate, lambda: backend.hearers() + tf_hub.hearers())]
+        self.start(simulation.now_ns)
+        if self._series is None:
+            self._place(simulation.now_ns)
+
+    def start(self, now_ns: int) -> None:
+        """Begin to publish at ``now_ns`` [ns], at whole multiples of the period."""
+        if self._series is not None:
+            self._series.start(-(-now_ns // self._series.period_ns) * self._series.period_ns)
+
+    def restart(self) -> None:
+        """Allow stamps that are earlier than those before, because time has started anew."""
+        self._backend.restart()
+
+    def stands(self, event: Stands) -> None:
+        """Publish that the robot stands, if nothing is published at a rate."""
+        if self._series is None:
+            self._place(event.time_ns)
+
+    def close(self) -> None:
+        """Publish nothing any more."""
+        if self._series is not None:
+            self._series.stop()
+        for told in self._told:
+            self._rates.remove(told)
+        self._backend.close()
+
+    def _is_heard(self) -> int:
+        heard = tf_hub.is_heard()
+        return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard())
+
+    def _tell(self, due_ns: int, _now_ns: int) -> int:
+        if self._throttle.ready():
+            self._place(due_ns)
+        return self._clock.wall_to_ns(self._throttle.remaining())
+
+    def _place(self, now_ns: int) -> None:
+        if not self._robot.reported.is_mute:
+            with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
+                self._backend.place(*self._backend.poses_at(now_ns), now_ns)
+
+    def _present(self) -> Optional[Tuple[Any, Any, int]]:
+        now_ns = self._clock.newcomers_ns()
+        return None if now_ns is None or self._robot.reported.is_mute else (*self._backend.poses_at(now_ns), now_ns)
+
+
+def _no_lookup(frame_id: str, _stamp_ns: int) -> NoReturn:
+    raise FrameError("frame '{}' is unknown: this robot has no goals".format(frame_id))
