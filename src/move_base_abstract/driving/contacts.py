@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
-from ..motion.pieces import Piece, stand
+from ..motion.pieces import Piece, pose_of, stand
 from .contact import FREE, NEARER, REACH, Course, Limit, Shape, disc, first_touch, gap_of, limit_of
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..motion.robot import Robot
     from .walls import Walls
 
-LOOK_NS = 2_000_000_000
+LOOK_NS = 500_000_000
 AT_ONCE_NS = 1_000_000  # what is touched within this time by a robot that stands at it is touched at once
 WALL = 'wall'
 _NS_PER_S = 1e9
@@ -184,8 +184,8 @@ class _Meeting:
 def _meeting_ns(one: Body, ones: _Spans, other: Body, others: _Spans, now_ns: int) -> Optional[int]:
     """Return the first instant [ns] from ``now_ns`` on at which two robots touch that drive these spans, or None."""
     limit: Optional[Limit] = FREE
-    starts = Course(ones[0][0], one.bound), Course(others[0][0], other.bound)
-    if gap_of(*starts, now_ns) <= REACH + NEARER:
+    start, their_start = pose_of(ones[0][0], now_ns), pose_of(others[0][0], now_ns)
+    if start.distance_to(their_start) <= one.shape.reach + other.shape.reach + REACH + NEARER:
         limit = limit_of(gap_of(Course(ones[0][0], one.shape), Course(others[0][0], other.shape), now_ns))
     begin_ns, index, their_index = now_ns, 0, 0
     while limit is not None and index < len(ones) and their_index < len(others):
