@@ -1,4 +1,5 @@
 """Robots that are driven by velocities, in plain Python: poses against an integral by hand, limits, watchdog, rows."""
+import json
 import math
 import random
 
@@ -10,6 +11,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.driving.drive_motion import HORIZON_NS
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.motion.geometry import Pose2D
+from move_base_abstract.motion.told import motion_of_row, packed, told, told_of
 from move_base_abstract.scenario import make_scenario
 
 S = 1_000_000_000
@@ -167,6 +169,20 @@ def test_commands_that_change_nothing_make_no_row():
     fleet.run()
     assert rows(fleet, 'driven', 'pieces', 'stands') == [
         (0, 'driven'), (0, 'pieces'), (9900 * MS + 500 * MS, 'stands')]
+
+
+def test_a_drive_that_was_told_is_the_drive_and_c_plus_plus_gets_its_pieces():
+    fleet = fleet_of(holonomic=True, linear={'x': limited(-2.0, 2.0, -1.0, 1.0)}, cmd_vel_timeout=0.0)
+    fleet.robot('r').drive(1.5, -0.7, 0.2)
+    robot = fleet.robot('r').navigator.robot
+    again = motion_of_row(json.loads(json.dumps(told(robot.leg))))
+    assert (again.start, again.end, again.arrive_ns) == (robot.leg.start, robot.leg.end, robot.leg.arrive_ns)
+    assert again.distance == pytest.approx(robot.leg.distance)
+    for now_ns in range(0, 61 * S, 777 * MS):
+        assert (again.pose_at(now_ns), again.velocity_at(now_ns)) == (robot.leg.pose_at(now_ns),
+                                                                      robot.leg.velocity_at(now_ns))
+        assert robot.leg.covers_ns(robot.leg.distance_at(now_ns)) == pytest.approx(now_ns, abs=1000)
+    assert len(packed(told_of(robot, 0))) == 80 * (len(robot.leg.pieces) + 1)
 
 
 def test_an_acceleration_is_limited_in_steps_of_the_control_period():
