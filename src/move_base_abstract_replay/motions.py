@@ -79,9 +79,12 @@ class Motions:
         self._close(track, time_ns, None)
         track.departed_ns, track.told = time_ns, None
 
-    def _driven(self, track: Track, time_ns: int, twist: List[float]) -> None:
+    def _driven(self, track: Track, time_ns: int, values: List[float]) -> None:
         if track.departed_ns is None or track.told is None or len(track.told.pieces) >= _MOST_PIECES:
-            self._departed(track, time_ns, twist)
+            pose = Pose2D(*values[:3])
+            if not self._close(track, time_ns, pose) and track.pose != pose:
+                self._place(track, time_ns, pose)
+            track.departed_ns, track.told = time_ns, None
         track.driven_ns = time_ns
 
     @staticmethod

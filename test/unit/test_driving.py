@@ -312,6 +312,21 @@ def test_replay_and_metrics_have_the_way_and_the_energy_of_arcs(tmp_path):
     assert share - rest == pytest.approx(fleet.robot('r').state_of_charge, abs=1e-9)
 
 
+def test_without_pieces_a_replay_goes_straight_between_the_rows(tmp_path):
+    from move_base_abstract_replay.motions import Motions
+    from move_base_abstract_replay.recording import read_recording
+    fleet = fleet_of(log_motion=False, start_x=3.0)
+    for number, speed in enumerate((1.0, 0.5, -1.0)):
+        fleet.run(number * 400 * MS)
+        fleet.robot('r').drive(speed)
+    fleet.run()
+    fleet.write_log(tmp_path / 'run.jsonl')
+    driven = Motions(read_recording(tmp_path / 'run.jsonl')).tracks['r'].driven
+    for now_ns, x in ((200 * MS, 3.2), (400 * MS, 3.4), (600 * MS, 3.5), (1000 * MS, 3.4), (1300 * MS, 3.1)):
+        end_ns, motion = [one for one in driven if one.motion.depart_ns <= now_ns][-1]
+        assert motion.pose_at(min(now_ns, end_ns)).x == pytest.approx(x)
+
+
 def test_goals_are_refused_in_words_and_do_not_stop_the_robot():
     fleet = fleet_of()
     fleet.robot('r').drive(1.0)
