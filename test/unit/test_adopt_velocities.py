@@ -24,6 +24,9 @@ MODEL = """<robot xmlns:xacro="x"> <!-- <plugin name="a" filename="libgazebo_ros
     <odometryTopic>odom</odometryTopic><robotBaseFrame>chassis</robotBaseFrame><updateRate>{rate}</updateRate>
     <odometrySource>encoder</odometrySource></plugin>
     <plugin name="p" filename="libgazebo_ros_p3d.so"><topicName>ground_truth/state</topicName></plugin></gazebo>
+  <xacro:property name="half" value="0.25"/><link name="base_link"><visual><geometry><box size="9 9 9"/>
+  </geometry></visual>
+  <collision><geometry><cylinder length="1" radius="${half}"/></geometry></collision></link>
   <xacro:eye/></robot>"""
 LASER = """<robot><xacro:macro name="eye" params="r"><joint name="j" type="fixed"><parent link="chassis"/>
     <child link="eye_link"/><origin xyz="0.2 0 ${r}" rpy="0 0 1.57"/></joint>
@@ -110,7 +113,7 @@ def test_a_model_says_its_drive_its_laser_and_its_topics_even_if_xacro_is_not_he
         SPAWNED.format(name, 1, 2, 3, '$(find of_a_stranger)/urdf/robot.xacro') for name in 'ab'))))
     shared = made.options.param[FLEET]['defaults']
     assert (shared['robot_base_frame'], shared['publish_rate'], shared['holonomic']) == ('chassis', 20.0, False)
-    assert 'odom_origin' not in shared and 'robot_radius' not in shared
+    assert 'odom_origin' not in shared and shared['robot_radius'] == 0.25
     assert {key: shared['scan_' + key] for key in ('rate', 'beams', 'angle_min', 'range_max', 'x', 'yaw', 'topic')} == {
         'rate': 40.0, 'beams': 720, 'angle_min': -1.5, 'range_max': 8.0, 'x': 0.2, 'yaw': 1.57, 'topic': 'laser/scan'}
     assert made.options.add[FLEET].split()[1:] == [

@@ -1,6 +1,7 @@
 """Read what a model for Gazebo says of its drive and its laser: its URDF, or the text of its xacro files as it is.
 
-xacro itself may not be here. So values that are not written as numbers or names (`${...}`, `$(arg ...)`) are not known.
+xacro itself may not be here. So values that are more than numbers or names of properties (`${2*r}`, `$(arg ...)`) are
+not known.
 """
 import math
 import os
@@ -14,6 +15,10 @@ _MACRO = re.compile(r'<xacro:macro\s[^>]*name\s*=\s*"([\w.-]+)".*?</xacro:macro>
 _FIND = re.compile(r'\$\(find\s+([\w.-]+)\s*\)')
 _PLUGIN = re.compile(r'<plugin\s[^>]*filename\s*=\s*"(?:lib)?([\w.-]+?)(?:\.so)?"[^>]*>(.*?)</plugin>', re.DOTALL)
 _RAYS = re.compile(r'<sensor\s[^>]*type\s*=\s*"(?:gpu_)?(?:ray|lidar)"[^>]*>(.*?)</sensor>', re.DOTALL)
+_PROPERTY = re.compile(r'<xacro:property\s+name\s*=\s*"(\w+)"\s+value\s*=\s*"([^"$]*)"')
+_LINK = re.compile(r'<link\s+name\s*=\s*"([^"]*)"\s*>(.*?)</link>', re.DOTALL)
+_OUTLINE = re.compile(r'<cylinder\s[^>]*radius\s*=\s*"([^"]*)"|<box\s+size\s*=\s*"([^"]*)"')
+_BASES = ('base_footprint', 'base_link', 'chassis', 'base')
 _JOINT = re.compile(r'<joint\s.*?</joint>', re.DOTALL)
 _DRIVES = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move')
 _LARGEST = 1 << 20  # characters of a file
@@ -45,7 +50,7 @@ def text_of(config, node):
         paths = [word for word in [*poses.words_of(command), named.get('-file', '')] if os.path.isfile(word)]
         text = _read(paths, [])
     known = _OF_TURTLEBOT.search('{} {}'.format(command, text[:_LARGEST]))
-    size, laser_x = _TURTLEBOTS[known.group(1)] if known else ({}, 0.0)
+    size, laser_x = _TURTLEBOTS[known.group(1)] if known else (_size_of(text), 0.0)
     return text or (_TURTLEBOT.format(laser_x) if known else ''), size
 
 
@@ -72,8 +77,23 @@ def _read(paths, known):
         named = [_FIND.sub(lambda found: reading.folder_of(found.group(1)), one) for one in _INCLUDE.findall(parts[-1])]
         paths += [os.path.join(os.path.dirname(path), one) for one in named]
     text = '\n'.join(parts)
+    known_values = dict(_PROPERTY.findall(text))
+    text = re.sub(r'\$\{\s*(\w+)\s*\}', lambda found: known_values.get(found.group(1), found.group()), text)
     return _MACRO.sub(lambda found: found.group() if re.search(
         '<xacro:{}[ />]'.format(re.escape(found.group(1))), text) else '', text)
+
+
+def _size_of(text):
+    """Return the outline of a model's base as parameters of a robot: that of the first body that collides, or {}."""
+    for name, body in _LINK.findall(text):
+        found = _OUTLINE.search(body.partition('<collision')[2]) if name.rpartition('/')[2] in _BASES else None
+        numbers = [_float(word) for word in (found.group(1) or found.group(2)).split()] if found else []
+        if None not in numbers and len(numbers) == 1:
+            return {'robot_radius': numbers[0]}
+        if None not in numbers and len(numbers) == 3:
+            x, y = numbers[0] / 2, numbers[1] / 2
+            return {'footprint': [[-x, -y], [-x, y], [x, y], [x, -y]]}
+    return {}
 
 
 def drive_of(text):

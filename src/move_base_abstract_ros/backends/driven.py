@@ -58,7 +58,9 @@ class DrivenBackend(BuiltinBackend):
         self._tf_told = -1, None
         self.shift = None
         self._poses, self._odometry = LatchedOutlets(), LatchedOutlets()
-        self._in_odom, self._in_map = InFrame(odom_frame, self._base_frame), InFrame(global_frame, self._base_frame)
+        slash = '/' if values['slash_in_headers'] else ''
+        self._in_odom = InFrame(slash + odom_frame, slash + self._base_frame)
+        self._in_map = InFrame(slash + global_frame, slash + self._base_frame)
         self._odometry.add(names.topic('odom'), OdometryMessage, self._pack_odom)
         self._odometry.add(names.topic('base_pose_ground_truth'), OdometryMessage, self._pack_ground_truth)
 

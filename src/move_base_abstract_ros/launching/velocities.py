@@ -50,6 +50,7 @@ def prepare(adoption, kept):
         prefix = _prefix_of(robot, values)
         if prefix:
             params['tf_prefix'] = prefix
+            params.update({'slash_in_headers': True} if robot.hint.source == poses.STAGE else {})
         walls = _walls_of(adoption, robot, kept, place)
         params.update({'use_map': True, 'map_topic': walls} if walls else {})
         adoption.param.update((robot.name + '/' + key, value) for key, value in params.items())
