@@ -255,17 +255,20 @@ class EventQueue:
         first_ns = self.next_due_ns()
         if not self._output:
             return [], before_ns if first_ns is None else min(before_ns, first_ns)
-        heard = []
+        heard, cancelled = [], 0
         for due_ns, robot_index, place, event in self._heap:
-            if event.action is not None:
-                if event.output is None:
-                    before_ns = min(before_ns, due_ns)
-                elif event.output.is_heard():
-                    heard.append((robot_index, place, due_ns, event.output))
-                else:
-                    event.cancel()
-                    event.output.fall_asleep(due_ns)
+            if event.action is None:
+                cancelled += 1
+            elif event.output is None:
+                before_ns = min(before_ns, due_ns)
+            elif event.output.is_heard():
+                heard.append((robot_index, place, due_ns, event.output))
+            else:
+                event.cancel()
+                event.output.fall_asleep(due_ns)
         heard.sort()
+        if 2 * cancelled > len(self._heap):  # so that the next call is not slow again
+            self._sweep()
         return [one[2:] for one in heard], before_ns
 
     def shift(self, by_ns: int) -> None:

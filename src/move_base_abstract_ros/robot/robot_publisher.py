@@ -10,7 +10,7 @@ from move_base_msgs.msg import RecoveryStatus
 from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.goals.events import Aimed, Departed, Driven, Lapse, Recovery, Stands, WheelsStopped
 
-from .. import lockstep
+from ..lockstep import sender  # bound once: the package would look it up at each use
 from ..messages import conversions
 from ..messages.outlets import Outlet
 from ..messages.packing import ZERO_TWIST, InFrame
@@ -100,7 +100,7 @@ class RobotPublisher:
         """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
         if self._robot.reported.is_mute:
             return
-        with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
+        with sender(self._robot.index):  # tf is one topic of all robots of the process
             pose = self._robot.pose_at(now_ns)
             self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
             self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
@@ -166,7 +166,7 @@ class RobotPublisher:
 
     def _still_stands(self, due_ns: int, _now_ns: int) -> int:
         if not self._robot.reported.is_mute and self._pose_throttle.ready():
-            with lockstep.sender(self._robot.index):
+            with sender(self._robot.index):
                 self._backend.rests(self._robot.pose_at(due_ns), due_ns)
         pause = self._pose_throttle.remaining()
         return self._clock.wall_to_ns(pause if self._backend.is_odometry_heard() else max(pause, _DEAF_SECONDS))
@@ -175,7 +175,7 @@ class RobotPublisher:
         """Publish the latest pose in tf, so that a look-up of the present need not wait for the next pose."""
         reported = self._robot.reported
         if not (self._updates_beat and self._robot.leg is not None) and not reported.is_mute:
-            with lockstep.sender(self._robot.index):
+            with sender(self._robot.index):
                 self._backend.heartbeat(self._robot.pose_at(now_ns), now_ns)
                 self._costmaps.moved(reported.pose_at(now_ns), now_ns, is_event=False)
 

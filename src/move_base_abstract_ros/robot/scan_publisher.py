@@ -9,7 +9,7 @@ from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.sensing.laser import Laser
 
-from .. import lockstep
+from ..lockstep import sender  # bound once: the package would look it up at each use
 from ..messages.outlets import Outlet, Packed
 from ..messages.packing import InFrame
 from ..transforms import tf_hub
@@ -70,7 +70,7 @@ class ScanPublisher:
 
     def _tell(self, due_ns: int, _now_ns: int) -> int:
         if self._throttle.ready():
-            with lockstep.sender(self._robot.index):
+            with sender(self._robot.index):
                 if not self._robot.reported.is_mute:
                     self._backend.looks(self._robot.pose_at(due_ns), due_ns)
                 tf_hub.send(self._frame, due_ns, self._mount)

@@ -16,8 +16,8 @@ from move_base_abstract.goals.client import NoClient
 from move_base_abstract.goals.events import Stands
 from move_base_abstract.motion.frames import RobotFrames
 
-from .. import lockstep
 from ..backends.driven import DrivenBackend
+from ..lockstep import sender  # bound once: the package would look it up at each use
 from ..maps.robot_map import RobotMap
 from ..transforms import tf_hub
 from ..transforms.tf_lookup import TfLookup
@@ -171,7 +171,7 @@ class DrivePublisher:
 
     def _place(self, now_ns: int) -> None:
         if not self._robot.reported.is_mute:
-            with lockstep.sender(self._robot.index):  # tf is one topic of all robots of the process
+            with sender(self._robot.index):  # tf is one topic of all robots of the process
                 self._backend.place(*self._backend.poses_at(now_ns), now_ns)
 
     def _present(self) -> Optional[Tuple[Any, Any, int]]:
