@@ -93,8 +93,8 @@ def test_fewer_are_made_in_vain_if_mail_comes_in_between():
 
 @pytest.mark.parametrize('is_shifted', [False, True])
 def test_a_shifted_pose_is_told_one_by_one_while_its_robot_drives(is_shifted):
-    source, robot = Source(), SimpleNamespace(name='robot', leg=None)
-    playing.follow(77, robot, lambda _leg: b'')
+    source, robot = Source(), SimpleNamespace(leg=None)
+    playing.follow(77, playing.Mover('robot', lambda: robot.leg, lambda _leg: b''))
     source.sends(Publisher(sub=77), 2, 1.0, [(wire.Slot.POSE, 0)] + [packing.SHIFTED] * is_shifted)
     assert len(source.told(before=2.0)[0]) == 1
     robot.leg = object()

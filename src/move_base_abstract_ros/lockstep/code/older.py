@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import copy
 import io
 import os
 import re
@@ -85,9 +86,8 @@ class _Division(ast.NodeTransformer):
         self.generic_visit(node)
         if not isinstance(node.op, ast.Div):
             return node
-        value: Any = ast.parse(ast.unparse(node.target), mode='eval').body if hasattr(ast, 'unparse') else None
-        if value is None:
-            return node
+        value: Any = copy.deepcopy(node.target)
+        value.ctx = ast.Load()
         return ast.copy_location(ast.Assign([node.target], _call(node, value, node.value)), node)
 
 
