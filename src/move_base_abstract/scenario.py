@@ -204,9 +204,16 @@ def check_one_process(scenario: Scenario, parts: int, where: str) -> None:
         capacity.
     """
     what = counted_places(scenario)
+    if parts > 1 and meets(scenario):
+        raise error(place_of(where, 'parts'), parts, '1, because robots that are driven by velocities stop one another')
     if parts > 1 and what:
         raise error(place_of(where, 'parts'), parts, '1, because one process must count the robots in them',
                     f' with {what}' + (' that have a capacity' if what in ('lanes', 'places') else ''))
+
+
+def meets(scenario: Scenario) -> bool:
+    """Return whether several robots of a scenario are driven by velocities: they touch one another in one process."""
+    return sum(spec.settings.drive is not None for spec in scenario.robots) > 1
 
 
 def counted_places(scenario: Scenario) -> Optional[str]:

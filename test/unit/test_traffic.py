@@ -389,6 +389,9 @@ def test_places_are_counted_in_one_process(lanes_fleet):
         with pytest.raises(ConfigurationError, match='/fleet/parts: got 3 with .*; allowed: 1'):
             check_one_process(scenario, 3, '/fleet')
     check_one_process(make_scenario({}), 3, '/fleet')
+    driven = make_scenario({'robots': [{'name': 'a', 'count': 2, 'driven_by': 'velocities'}]})
+    with pytest.raises(ConfigurationError, match='robots that are driven by velocities stop one another'):
+        check_one_process(driven, 3, '/fleet')
 
 
 def test_what_deadlock_may_be():

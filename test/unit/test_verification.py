@@ -79,6 +79,8 @@ def test_bags_are_numbered_by_their_nodes():
      'in its places'),
     ({'/robots': [{'name': 'a', 'calibration': 'move_base_dwa_stage'}], '/encounters': 'calibrated'},
      'in its encounters'),
+    ({'/robots': [{'name': 'a', 'count': 2}], '/defaults': {'driven_by': 'velocities'}}, 'stop one another only in'),
+    ({'/robots': [{'name': 'a', 'driven_by': 'velocities'}, {'name': 'b'}]}, ''),
     ({'/scenario': '/nowhere/at_all.yaml'}, 'at_all.yaml')])
 def test_why_a_fleet_stays_in_one_process_follows_from_its_parameters(below, why):
     params = {'/fleet' + key: value for key, value in below.items()}

@@ -5,7 +5,7 @@ from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.parameter_table import read_table
 from move_base_abstract.config.node_tables import FLEET, FLEET_INLINE
 from move_base_abstract.lockstep.parameters import MISSING, PendingParameters
-from move_base_abstract.scenario import Scenario, counted_places, make_scenario, read_scenario
+from move_base_abstract.scenario import Scenario, counted_places, make_scenario, meets, read_scenario
 
 #: parameters of the node that take precedence over the scenario's defaults of the same name
 _OVERRIDES = ('use_map', 'backend', 'seed')
@@ -56,7 +56,10 @@ def why_one_process(params: Mapping[str, Any], name: str) -> str:
     found = tree.seen(name, MISSING)
     raw = found if isinstance(found, dict) else {}
     try:
-        counted = counted_places(read_fleet_scenario(raw, read_table(raw, FLEET, name), name))
+        scenario = read_fleet_scenario(raw, read_table(raw, FLEET, name), name)
     except ConfigurationError as error:  # for instance, the file has gone since the fleet read it
         return str(error)
+    if meets(scenario):
+        return 'its robots are driven by velocities, and stop one another only in one process'
+    counted = counted_places(scenario)
     return 'one process must count the robots in its {}'.format(counted) if counted else ''
