@@ -1,6 +1,7 @@
 """Robots under velocities, driven by nodes of strangers: the same to the byte, and as a hand integral has it."""
 import math
 import os
+import sys
 import unittest
 
 import rospy
@@ -10,7 +11,7 @@ from nav_msgs.msg import Odometry
 from robot_harness import Record
 from scenarios import Condition, repeated
 from tf2_msgs.msg import TFMessage
-from waiting import wait_for
+from waiting import read, wait_for
 
 from move_base_abstract_ros.loopback import find_executable
 
@@ -36,6 +37,14 @@ FLEET = {'defaults': {'driven_by': 'velocities', 'scan_rate': 5.0, 'scan_beams':
          'robots': [{'name': 'robot_0', 'start_x': 1.0, 'start_y': -2.0, 'start_yaw': 0.7},
                     {'name': 'robot_1', 'start_y': 3.0},
                     {'name': 'robot_2', 'start_x': 5.0, 'start_y': 3.0}]}
+#: a node that takes no part and prints the stamps [ns] of a robot's odometry
+ONLOOKER = """
+import rospy
+from nav_msgs.msg import Odometry
+rospy.init_node('onlooker')
+rospy.Subscriber('/robot_0/odom', Odometry, lambda message: print(message.header.stamp.to_nsec(), flush=True))
+rospy.spin()
+"""
 #: commands by hand; prints what is asked for
 SCRIPT = """#!/usr/bin/env python3
 import math, sys
@@ -70,10 +79,14 @@ def say(message):
 """
 
 
-def strangers(condition=Condition(), plays=True):
-    """Return a run of a commander and an avoider, each with a robot of a fleet, with all messages in its log."""
-    with InLockstep(['/fleet', '/robot_0/commander', '/robot_1/avoider'], condition, log_messages=True) as run:
+def strangers(condition=Condition(), plays=True, onlooker=False, **clock):
+    """Return a run of a commander and an avoider, each with a robot of a fleet, with all messages in its log.
+
+    onlooker: whether a node that takes no part hears odometry; what it heard is ``watched``.
+    """
+    with InLockstep(['/fleet', '/robot_0/commander', '/robot_1/avoider'], condition, log_messages=True, **clock) as run:
         run.ros.run('fleet', 'fleet', parameters=dict(FLEET, play_output=plays))
+        watching = run.ros.spawn('/onlooker', [sys.executable, '-c', ONLOOKER]) if onlooker else None
         run.ros.set_param('/robot_0/commander', {'frames': 'robot_0/'})
         children = [run.ros.spawn(name, [find_executable('lockstep'), os.path.join(UNMODIFIED, program),
                                          '__name:=' + name.rsplit('/', 1)[1], '__ns:=' + name.rsplit('/', 1)[0]])
@@ -81,15 +94,21 @@ def strangers(condition=Condition(), plays=True):
                                           ('/robot_1/avoider', 'scan_avoider.py'))]
         with condition.around():
             run.said = [said.splitlines() for said in run.end_of(*children)]
+        run.watched = [int(line) for line in read(watching).splitlines() if line.isdigit()] if watching else []
     return run
 
 
-def by_hand(body, message='Twist', world=None, **parameters):
-    """Return (what a client printed, as rows of words; the run) with one robot in the namespace /r; world: a map."""
-    with InLockstep(['/r/velocity_robot', '/r/client'], log_messages=True) as run:
+def by_hand(body, message='Twist', world=None, beside=(), **parameters):
+    """Return (what a client printed, as rows of words; the run) with one robot in the namespace /r; world: a map.
+
+    beside: other nodes of this package, (executable, parameters), ...
+    """
+    with InLockstep(['/r/velocity_robot', '/r/client', *('/' + name for name, _ in beside)], log_messages=True) as run:
         script = os.path.join(run.ros.log_dir, 'client.py')
         with open(script, 'w', encoding='utf-8') as stream:
             stream.write(SCRIPT.format(type=message, body=body))
+        for name, others in beside:
+            run.ros.run(name, name, parameters=others)
         if world:
             run.ros.run('map_server', 'map_server', arguments=[world])
         run.ros.run('velocity_robot', 'velocity_robot', '/r', dict(parameters, use_map=bool(world)))
@@ -122,6 +141,17 @@ class Strangers(unittest.TestCase):
             self.assertEqual(run.said, self.plain.said)
             assert_same(self, self.plain.events, run.events)
             self.assertEqual(run.end['not_repeatable_because'], [])
+
+    def test_an_onlooker_hears_odometry_and_changes_nothing(self):
+        run = strangers(Condition(speed_limit=10.0), onlooker=True)
+        assert_same(self, self.plain.events, run.events)
+        self.assertGreater(len(run.watched), 50)
+        self.assertEqual(run.watched, sorted(run.watched))
+
+    def test_with_a_lookahead_the_same_messages_come_however_they_are_made(self):
+        runs = [strangers(plays=plays, lookahead=0.04) for plays in (False, True)]
+        self.assertEqual(runs[0].said, runs[1].said)
+        assert_same(self, runs[0].events, runs[1].events)
 
     def test_tf_and_odometry_are_one(self):
         words = self.plain.said[0][-1].replace(';', '').split()
@@ -181,6 +211,31 @@ class ByHand(unittest.TestCase):
         (at_ns, _, _, values), = [event for event in run.events if event[2] == 'stalled']
         self.assertAlmostEqual(at_ns / NS_PER_S, 6.4, delta=1e-5)
         self.assertEqual(values, ['wall'])
+
+    def test_a_robot_that_has_failed_stands_and_loses_commands(self):
+        body = ('from move_base_abstract.srv import Fail; rospy.wait_for_service("velocity_robot/fail"); '
+                'at(3.0); command(0.5); at(3.41); '
+                'print(rospy.ServiceProxy("velocity_robot/fail", Fail)("stall", rospy.Duration(2.0)).success); '
+                'at(4.0); command(0.5); at(5.35); say(odometry[-1]); at(5.55); say(odometry[-1]); command(0.5); '
+                'at(6.05); say(odometry[-1])')
+        rows, run = by_hand(body, failure_kind='stall', cmd_vel_timeout=0.0)
+        self.assertEqual(rows[0], ['True'])
+        self.assertEqual([(float(row[0]), round(float(row[3]), 6)) for row in rows[1:]],
+                         [(5.3, 0.205), (5.5, 0.205), (6.0, 0.43)])
+        self.assertEqual(run.end['not_repeatable_because'], [])
+
+    def test_a_fleet_adds_and_removes_such_robots(self):
+        body = ('from move_base_abstract.srv import AddRobot, RemoveRobot; rospy.wait_for_service("/fleet/add_robot"); '
+                'answer = rospy.ServiceProxy("/fleet/add_robot", AddRobot)("other", 1.0, 0.0, 0.0, '
+                '"{driven_by: velocities, cmd_vel_timeout: 0.0}"); print(answer.success); '
+                'drive = rospy.Publisher("/other/cmd_vel", Twist, queue_size=1); twist = Twist(); '
+                'twist.linear.x = 0.5; at(4.0); drive.publish(twist); at(6.05); '
+                'say(rospy.wait_for_message("/other/odom", Odometry)); '
+                'print(rospy.ServiceProxy("/fleet/remove_robot", RemoveRobot)("other").success); at(8.0); '
+                'print(any(name.startswith("/other/odom") for name, _ in rospy.get_published_topics()))')
+        rows, run = by_hand(body, beside=[('fleet', {'robots': []})])
+        self.assertEqual([rows[0], float(rows[1][3]), *rows[2:]], [['True'], 1.025, ['True'], ['False']])
+        self.assertEqual(run.end['not_repeatable_because'], [])
 
     def test_limits_of_diff_drive_controller(self):
         rows, _ = by_hand('at(3.0); command(2.0); at(3.05); say(odometry[-1]); at(4.0); command(2.0); at(4.2); '
