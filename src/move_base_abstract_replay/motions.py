@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional
 
 from move_base_abstract.common.units import FARTHEST_M, NS_PER_S
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
-from move_base_abstract.motion.pieces import Motion, stand
+from move_base_abstract.motion.pieces import Motion, Piece, stand
 from move_base_abstract.motion.told import ToldMotion, motion_of_row
 
 from .charges import Charges
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: the kinds of events that say where a robot is, and how many numbers such an event has; pieces: any number
 _COUNTS = {'motion': 8, 'departed': 3, 'driven': 6, 'pieces': 0, 'stands': 3}
-_MOST_PIECES = 200  # of one leg of a robot that is driven by velocities, from rest to rest
+_MOST_PIECES = 2000  # of one leg of a robot that is driven by velocities, from rest to rest
 _CLOSE = 1e-6  # m, and rad; a leg may end this far from the end in the log
 
 
@@ -41,7 +41,7 @@ class Track:
         self.driven: List[Driven] = []
         self.pose: Optional[Pose2D] = None
         self.departed_ns: Optional[int] = None  # when its leg under way began
-        self.told: Optional[ToldMotion] = None  # the leg under way
+        self.pieces: List[Piece] = []  # of the leg under way, the last one at rest; none: not known
         self.driven_ns: Optional[int] = None  # when it was last driven by another velocity
 
 
@@ -77,24 +77,24 @@ class Motions:
 
     def _departed(self, track: Track, time_ns: int, _goal: List[float]) -> None:
         self._close(track, time_ns, None)
-        track.departed_ns, track.told = time_ns, None
+        track.departed_ns, track.pieces = time_ns, []
 
     def _driven(self, track: Track, time_ns: int, values: List[float]) -> None:
-        if track.departed_ns is None or track.told is None or len(track.told.pieces) >= _MOST_PIECES:
+        if track.departed_ns is None or not track.pieces or len(track.pieces) >= _MOST_PIECES:
             pose = Pose2D(*values[:3])
             if not self._close(track, time_ns, pose) and track.pose != pose:
                 self._place(track, time_ns, pose)
-            track.departed_ns, track.told = time_ns, None
+            track.departed_ns, track.pieces = time_ns, []
         track.driven_ns = time_ns
 
     @staticmethod
     def _pieces(track: Track, time_ns: int, told: ToldMotion) -> None:
         """Take the pieces of a departure, or, of a robot that is driven by velocities, how it goes on."""
-        if track.departed_ns == time_ns == told.depart_ns:
-            track.told = told
-        elif track.driven_ns == time_ns == told.depart_ns and track.told is not None:
-            before = [piece for piece in track.told.pieces if piece.begin_ns < time_ns]
-            track.told = ToldMotion([*before, *told.pieces, stand(told.end, told.arrive_ns)])
+        goes_on = bool(track.pieces) and track.driven_ns == time_ns
+        if told.depart_ns == time_ns and (goes_on or track.departed_ns == time_ns):
+            while track.pieces and track.pieces[-1].begin_ns >= time_ns:
+                track.pieces.pop()
+            track.pieces += [*told.pieces, stand(told.end, told.arrive_ns)]
 
     def _stands(self, track: Track, time_ns: int, values: List[float]) -> None:
         pose = Pose2D(*values)
@@ -111,7 +111,7 @@ class Motions:
         """End the leg under way at ``pose``, None: not known; return whether it is drawn, and ends there."""
         if track.departed_ns is None:
             return False
-        motion: Optional[ToldMotion] = track.told
+        motion: Optional[ToldMotion] = ToldMotion(track.pieces) if track.pieces else None
         if motion is None:
             self.even += 1
             self.startless += track.pose is None

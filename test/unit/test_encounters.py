@@ -306,3 +306,13 @@ def test_robots_that_are_driven_by_velocities_meet_on_arcs(tmp_path, law, is_dea
     assert a.pose_at(again.now_ns).distance_to(b.pose_at(again.now_ns)) > 3.0
     again.run(meetings[0])
     assert a.pose_at(again.now_ns).distance_to(b.pose_at(again.now_ns)) <= 3.0
+
+
+def test_a_drive_from_rest_to_rest_is_met_as_a_goal(tmp_path):
+    robots = [{'name': 'a', 'driven_by': 'velocities'}, {'name': 'b', 'driven_by': 'velocities', 'start_x': 5.0}]
+    fleet = Fleet(scenario(tmp_path, FREE, robots))
+    for speed in (5.0, -5.0, 5.0):  # m/s, up to the watchdog's stop: 2.5 m
+        fleet.robot('a').drive(speed)
+        fleet.run()
+    assert [time_ns for time_ns, robot, *_ in rows(fleet, 'encounter') if robot == 'a'] == [
+        pytest.approx(1.4e9, abs=1), pytest.approx(2.4e9, abs=1)]

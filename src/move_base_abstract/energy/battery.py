@@ -205,9 +205,12 @@ class Battery:
         """Find the formula that holds from ``now_ns`` [ns] on."""
         driven: Any = self._course
         leg, settings = self._robot.leg, self.settings
-        self._settle(now_ns)
         is_same_leg = isinstance(driven, _Driving) and driven.leg is leg
         goes_on = isinstance(driven, _Driving) and not is_same_leg and leg is not None and not leg.is_from_rest
+        undone = driven.undone(now_ns) if goes_on else 0.0
+        self._settle(now_ns)
+        if undone:
+            self._soc += undone / self._energy
         if isinstance(driven, _Driving) and not is_same_leg and not goes_on and now_ns > driven.leg.depart_ns:
             self._soc = max(0.0, self._soc - driven.energy.stopping(now_ns) / self._energy)
         charger = None
@@ -343,6 +346,10 @@ class _Driving:
         if now_ns <= self.leg.depart_ns:
             return 0.0
         return self.energy.until(now_ns) - self._before + self._power * ((now_ns - self._since_ns) / NS_PER_S)
+
+    def undone(self, now_ns: int) -> float:
+        """Return what :meth:`until` counts too much [J] if another leg goes on at ``now_ns`` [ns]."""
+        return 0.0 if now_ns <= self.leg.depart_ns else self.energy.until(now_ns) - self.energy.until(now_ns, True)
 
     def first_ns(self, _share: float, _energy: float, is_passed: Callable[[int], bool]) -> Optional[int]:
         """Return the first instant [ns] at which ``is_passed``, or None if there is none on this leg."""

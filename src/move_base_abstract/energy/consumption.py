@@ -48,21 +48,25 @@ class LegEnergy:
         self._whole = energy + _change(before, (0.0, 0.0))
         self._friction = mechanics.friction_coefficient * mechanics.mass * GRAVITY
 
-    def until(self, now_ns: int) -> float:
-        """Return the energy [J] from the departure to ``now_ns`` [ns], which is not before the departure."""
+    def until(self, now_ns: int, goes_on: bool = False) -> float:
+        """Return the energy [J] from the departure to ``now_ns`` [ns], which is not before the departure.
+
+        ``goes_on``: another leg goes on from there, so that a change of the velocity at that very instant is none.
+        """
         friction: float = self._friction * self._leg.distance_at(now_ns)
         if now_ns >= self._leg.arrive_ns:
             return self._whole + friction
-        energy, at_begin = self._begins[bisect_right(self._instants, now_ns) - 1]
-        return energy + _change(at_begin, self._kinetic(*self._leg.velocity_at(now_ns))) + friction
+        at_ns = max(self._leg.depart_ns, now_ns - 1) if goes_on else now_ns
+        energy, at_begin = self._begins[bisect_right(self._instants, at_ns) - 1]
+        return energy + _change(at_begin, self._kinetic(*self._leg.velocity_at(at_ns))) + friction
 
     def stopping(self, now_ns: int) -> float:
         """Return the energy [J] that stopping takes if the robot leaves the leg at ``now_ns`` [ns]."""
-        return sum(self.kinetic(now_ns))
+        return _change(self._kinetic(*self._leg.velocity_at(now_ns)), (0.0, 0.0))
 
     def kinetic(self, now_ns: int) -> Tuple[float, float]:
-        """Return the kinetic energy (driving, turning) [J] at ``now_ns`` [ns], up to the departure that before it."""
-        return self._before if now_ns <= self._leg.depart_ns else self._kinetic(*self._leg.velocity_at(now_ns))
+        """Return the kinetic energy (of driving, of turning) [J] just before ``now_ns`` [ns]."""
+        return self._before if now_ns <= self._leg.depart_ns else self._kinetic(*self._leg.velocity_at(now_ns - 1))
 
     def _kinetic(self, forward: float, lateral: float, turning: float) -> Tuple[float, float]:
         return (self._half_mass * forward * forward + self._half_mass * lateral * lateral,
