@@ -212,6 +212,18 @@ class ByHand(unittest.TestCase):
         self.assertAlmostEqual(at_ns / NS_PER_S, 6.4, delta=1e-5)
         self.assertEqual(values, ['wall'])
 
+    def test_frames_and_topics_have_the_names_that_parameters_give(self):
+        body = ('from tf2_msgs.msg import TFMessage; seen = []; rospy.Subscriber("/tf", TFMessage, seen.append); '
+                'at(4.05); say(odometry[-1]); '
+                'print("tf", *sorted({one.child_frame_id for message in seen for one in message.transforms}))')
+        rows, _ = by_hand(body, base_frame_id='chassis', odom_frame_id='wheels', publish_rate=50.0,
+                          odom_origin=[1.0, 0.0, 0.0])
+        self.assertEqual([rows[0][:4], rows[1]], [['4.040000000', 'wheels', 'chassis', '-1.000000000'], ['tf', 'chassis']])
+        rows, _ = by_hand(body, enable_odom_tf=False)
+        self.assertEqual([rows[0][:3], rows[1]], [['4.000000000', 'odom', 'base_link'], ['tf']])
+        rows, _ = by_hand(body, footprint_frame='', publish_map_frame=True)
+        self.assertEqual(rows[1], ['tf', 'base_link', 'odom'])
+
     def test_a_robot_that_has_failed_stands_and_loses_commands(self):
         body = ('from move_base_abstract.srv import Fail; rospy.wait_for_service("velocity_robot/fail"); '
                 'at(3.0); command(0.5); at(3.41); '

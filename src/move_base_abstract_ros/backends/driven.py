@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
 
 from nav_msgs.msg import Odometry as OdometryMessage
 
@@ -11,6 +11,7 @@ from move_base_abstract.motion.geometry import Pose2D
 from ..messages import packing
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame, Template
+from ..transforms import tf_hub
 from .builtin import BuiltinBackend
 
 if TYPE_CHECKING:
@@ -73,6 +74,12 @@ class DrivenBackend(BuiltinBackend):
         """Publish tf only, if it is to be published."""
         if self._has_tf:
             super().heartbeat(poses, stamp_ns)
+
+    def follow(self, present: Callable[[], Optional[Tuple[Any, Any, int]]]) -> None:
+        """Tell new listeners ``present()``, as in BuiltinBackend, on tf only if that is to be published."""
+        super().follow(present)
+        if not self._has_tf:
+            tf_hub.forget(self._base_frame)
 
     def looks(self, _pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
