@@ -218,7 +218,8 @@ class ByHand(unittest.TestCase):
                 'print("tf", *sorted({one.child_frame_id for message in seen for one in message.transforms}))')
         rows, _ = by_hand(body, base_frame_id='chassis', odom_frame_id='wheels', publish_rate=50.0,
                           odom_origin=[1.0, 0.0, 0.0])
-        self.assertEqual([rows[0][:4], rows[1]], [['4.040000000', 'wheels', 'chassis', '-1.000000000'], ['tf', 'chassis']])
+        self.assertEqual([rows[0][:4], rows[1]],
+                         [['4.040000000', 'wheels', 'chassis', '-1.000000000'], ['tf', 'chassis']])
         rows, _ = by_hand(body, enable_odom_tf=False)
         self.assertEqual([rows[0][:3], rows[1]], [['4.000000000', 'odom', 'base_link'], ['tf']])
         rows, _ = by_hand(body, footprint_frame='', publish_map_frame=True)
