@@ -236,8 +236,9 @@ def test_a_robot_that_has_failed_or_is_held_stands_and_its_commands_are_lost(kin
     assert robot.pose == Pose2D(0.6)
 
 
-def test_failures_come_by_the_distance_driven():
-    fleet = fleet_of(failure_kind='abort', failures_per_km=200.0, cmd_vel_timeout=0.0, repair_time=1.0, holonomic=True)
+@pytest.mark.parametrize('rate', [{'failures_per_km': 200.0}, {'failures_per_hour': 720.0}])
+def test_failures_come_by_the_distance_and_by_the_time_driven(rate):
+    fleet = fleet_of(failure_kind='abort', cmd_vel_timeout=0.0, repair_time=1.0, holonomic=True, **rate)
     robot = fleet.robot('r')
     for number in range(300):
         fleet.run(number * S)

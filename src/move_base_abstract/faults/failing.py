@@ -166,12 +166,13 @@ class Failing:
         return int(min(self._draw(HOUR), LAST_NS))  # [ns]; for a tiny rate the draw is infinite
 
     def _goal_changed(self, now_ns: int) -> None:
-        """Count time, for the failures per hour, while there is a goal and no failure."""
+        """Count time, for the failures per hour, while there is a goal, or a drive by velocities, and no failure."""
         if self.failure is not None and self.failure.kind == STUCK:
             self._giving_up.goal_changed(now_ns)
         if self._hours_left is None:
             return
-        counts = self._navigator.is_active and self.failure is None
+        drives = self._navigator.takes_none is not None and self._robot.leg is not None
+        counts = (self._navigator.is_active or drives) and self.failure is None
         if counts and self._hours.due_ns is None and now_ns + self._hours_left <= LAST_NS:
             self._hours.set(now_ns + self._hours_left, self._fail_by_hour)
         elif not counts:
@@ -189,6 +190,8 @@ class Failing:
     def _motion_changed(self, now_ns: int) -> None:
         self._driven.leg_ends(now_ns)
         self._on_leg.cancel()
+        if self._navigator.takes_none is not None:
+            self._goal_changed(now_ns)
         leg = self._robot.leg
         if leg is None:
             if self.failure is not None and self.failure.kind == STUCK and self._giving_up.was_moved(now_ns):
