@@ -121,7 +121,8 @@ def test_of_two_that_touch_only_the_one_stalls_that_drives_at_the_other():
     fleet.run(40 * S)
     touch = (2.0 - 0.6 - REACH) / 0.8
     assert stalls(fleet) == [('fast', 'slow', pytest.approx(touch, abs=2e-9)),
-                             ('slow', 'still', pytest.approx((5.0 - 0.6 - REACH) / 0.2, abs=1e-8))]
+                             ('slow', 'still', pytest.approx((5.0 - 0.6 - REACH) / 0.2, abs=1e-8)),
+                             ('fast', 'slow', pytest.approx(22.0 + 0.2 * (22.0 - touch), abs=1e-4))]  # again
 
 
 def test_one_that_is_pushed_from_aside_goes_on():
@@ -171,6 +172,25 @@ def test_a_robot_that_is_removed_blocks_no_longer_and_one_that_is_added_does():
     fleet.add('c', start_x=7.0, start_y=5.0, driven_by='velocities', robot_radius=0.3)
     fleet.run(10 * S)
     assert [row[:2] for row in stalls(fleet)] == [('a', 'c')]
+
+
+def test_a_stalled_robot_goes_on_when_the_other_one_leaves_or_is_removed_or_placed_elsewhere():
+    for leave in ('drive', 'remove', 'place'):
+        fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 5.0, 5.0, 0.0), cmd_vel_timeout=6.0)
+        fleet.robot('a').drive(0.5)
+        fleet.run(5 * S)
+        assert [row[:2] for row in stalls(fleet)] == [('a', 'b')]
+        if leave == 'drive':
+            fleet.robot('b').drive(0.6)
+        elif leave == 'remove':
+            fleet.remove('b')
+        else:
+            fleet.robot('b').place(Pose2D(5.0, 8.0, 0.0))
+        fleet.run(5 * S + S // 2)
+        assert fleet.robot('a').pose.x == pytest.approx(4.4 + 0.25, abs=1e-5)
+        fleet.run(9 * S)  # the watchdog still counts from the command on
+        assert fleet.robot('a').pose.x == pytest.approx(4.4 + 0.5, abs=1e-5)
+        assert len(stalls(fleet)) == 1
 
 
 def test_after_a_reset_the_same_happens_again():

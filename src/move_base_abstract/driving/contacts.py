@@ -30,13 +30,14 @@ class Contacts:
         self.simulation = simulation
         self._bodies: Dict[int, Body] = {}
 
-    def join(self, robot: Robot, frame: str, shape: Shape, stall: Callable[[int, str], object]) -> Body:
+    def join(self, robot: Robot, frame: str, shape: Shape, stall: Callable[[int, str], object],
+             retry: Callable[[int], object]) -> Body:
         """Add ``robot``, which stands: a body of ``shape`` (Shape) in the global ``frame``. Return its :class:`Body`.
 
         ``stall(now_ns, by)`` must stop the robot; it is called when the robot touches something, ``by``: WALL or the
-        name of another robot.
+        name of another robot. ``retry(now_ns)`` is called when the robot that it touches moves, or is no longer there.
         """
-        body = self._bodies[robot.index] = Body(self, robot, frame, shape, stall)
+        body = self._bodies[robot.index] = Body(self, robot, frame, shape, stall, retry)
         body.moved(self.simulation.now_ns)
         robot.follow(body.moved)
         return body
@@ -45,6 +46,7 @@ class Contacts:
         """Note that the robot is removed."""
         self._forget(body)
         del self._bodies[body.robot.index]
+        self.retry(body, self.simulation.now_ns)
 
     def holds(self, body: Body) -> bool:
         """Return whether the robot is still there."""
@@ -75,6 +77,12 @@ class Contacts:
                     one.ahead[two.robot.index] = two.ahead[one.robot.index] = self._schedule(
                         touch_ns - 1, now_ns, one, _Meeting(one, two))
 
+    def retry(self, body: Body, now_ns: int) -> None:
+        """Have the robots that stand because they touch this one try again, in the order of robots."""
+        for other in self._bodies.values():
+            if other.stands_at is body:
+                self._schedule(now_ns, now_ns, other, other.retry)
+
     def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object],
                   keeps_going: Optional[Callable[[], bool]] = None) -> Any:
         return self.simulation.queue.schedule(max(due_ns, now_ns), body.robot.index,
@@ -92,13 +100,15 @@ class Contacts:
 class Body:
     """A driven robot: since ``since_ns`` [ns] it has its ``motion`` (Motion), or stands (None).
 
-    ``robot``, ``frame``, ``shape``, ``stall``: see Contacts.join; ``ahead``: the event of what it will touch, by the
+    ``robot``, ``frame``, ``shape``, ``stall``, ``retry``: see Contacts.join; ``stands_at``: the Body that keeps it from
+    its command, or None; ``ahead``: the event of what it will touch, by the
     index of the other robot, None: a wall.
     """
 
     def __init__(self, contacts: Contacts, robot: Robot, frame: str, shape: Shape,
-                 stall: Callable[[int, str], object]) -> None:
-        self.robot, self.frame, self.shape, self.stall = robot, frame, shape, stall
+                 stall: Callable[[int, str], object], retry: Callable[[int], object]) -> None:
+        self.robot, self.frame, self.shape, self.stall, self.retry = robot, frame, shape, stall, retry
+        self.stands_at: Optional[Body] = None
         self.bound = disc(shape.reach)
         self.motion: Optional[Motion] = None
         self.since_ns = 0
@@ -122,19 +132,21 @@ class Body:
     def moved(self, now_ns: int) -> None:
         """Note that the robot has begun another motion, or stands."""
         if self._contacts.holds(self):
-            self.since_ns, self.motion = now_ns, self.robot.leg
+            self.since_ns, self.motion, self.stands_at = now_ns, self.robot.leg, None
             pieces = () if self.motion is None else self.motion.pieces
             self._fastest = max((abs(piece.v) for piece in pieces), default=0.0)
             self._contacts.look(self, now_ns)
+            self._contacts.retry(self, now_ns)
 
     def is_blocked(self, motion: Motion, now_ns: int) -> bool:
         """Return whether the robot would touch something at once, if it began ``motion`` at ``now_ns`` [ns]."""
         moves_ns = next((piece.begin_ns for piece in motion.pieces if piece.v or piece.w), now_ns)
         until_ns = moves_ns + AT_ONCE_NS
         spans = self.spans(motion, now_ns, until_ns)
-        return self.touches_wall(spans, now_ns) is not None or any(
-            _meeting_ns(self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns) is not None
-            for other in self._contacts.others(self, now_ns))
+        self.stands_at = next((
+            other for other in self._contacts.others(self, now_ns) if _meeting_ns(
+                self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns) is not None), None)
+        return self.stands_at is not None or self.touches_wall(spans, now_ns) is not None
 
     def nears(self, other: Body, now_ns: int) -> bool:
         """Return whether the robot would touch ``other`` at once if that one stood from ``now_ns`` [ns] on."""
@@ -179,6 +191,7 @@ class _Meeting:
         moving = [(body, other) for body, other in self._pair if body.motion is not None]
         for body, other in [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving:
             body.stall(now_ns, other.robot.name)
+            body.stands_at = other
 
 
 def _meeting_ns(one: Body, ones: _Spans, other: Body, others: _Spans, now_ns: int) -> Optional[int]:

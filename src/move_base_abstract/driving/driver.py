@@ -90,6 +90,11 @@ class Driver:
         if not was_stalled:
             self._tell(Stalled(now_ns, self.robot.name, by))
 
+    def retry(self, now_ns: int) -> None:
+        """Drive on by the last command, if that no longer leads into what stalled the robot."""
+        if self.is_stalled:
+            self._go(now_ns)
+
     def use_map(self, occupancy: Optional[OccupancyMap], now_ns: int) -> None:
         """Let the occupied cells of ``occupancy`` (OccupancyMap) stop the robot from now on, None: robots alone do."""
         if self.body is not None:

@@ -101,7 +101,7 @@ def _driver(settings: RobotSettings, navigator: Navigator, simulation: Simulatio
     driver = Driver(settings.drive, navigator, simulation, stream)
     if contacts is not None:
         driver.body = contacts.join(navigator.robot, settings.values['global_frame'],
-                                    shape_of(settings.costmaps.global_footprint), driver.stall)
+                                    shape_of(settings.costmaps.global_footprint), driver.stall, driver.retry)
     return driver
 
 
