@@ -13,6 +13,7 @@ from scenarios import Condition, repeated
 from tf2_msgs.msg import TFMessage
 from waiting import read, wait_for
 
+from move_base_abstract.engine.chance import Chance, Purpose
 from move_base_abstract_ros.loopback import find_executable
 
 LAUNCH_FILE = """
@@ -249,6 +250,22 @@ class ByHand(unittest.TestCase):
         rows, run = by_hand(body, beside=[('fleet', {'robots': []})])
         self.assertEqual([rows[0], float(rows[1][3]), *rows[2:]], [['True'], 1.025, ['True'], ['False']])
         self.assertEqual(run.end['not_repeatable_because'], [])
+
+    def test_odometry_that_is_wrong_is_played_as_if_it_were_not_and_the_truth_is_true(self):
+        body = 'at(3.0); command(0.5, 0.25); at(3.45); say(odometry[-1]); say(truth[-1])'
+        runs = [by_hand(body, odom_error=[0.2, 0.0, 0.0, 0.4], seed=7, play_output=plays) for plays in (True, False)]
+        (rows, run), (_, other) = runs
+        assert_same(self, run.events, other.events)
+        chance = Chance(7, 'r')
+        forward, turning = (one * (1.0 + most * (chance.uniform(0, Purpose.ODOMETRY, place) - 0.5))
+                            for place, one, most in ((0, 0.5, 0.2), (2, 0.25, 0.4)))
+        for row, (speed, rate) in zip(rows, ((forward, turning), (0.5, 0.25))):
+            turned = rate * 0.4
+            radius = speed / rate
+            wanted = [radius * math.sin(turned), radius * (1.0 - math.cos(turned)), turned, speed, 0.0, rate]
+            for got, hand in zip(map(float, row[3:]), wanted):
+                self.assertAlmostEqual(got, hand, delta=1e-6)
+        self.assertGreater(abs(forward - 0.5), 1e-3)
 
     def test_limits_of_diff_drive_controller(self):
         rows, _ = by_hand('at(3.0); command(2.0); at(3.05); say(odometry[-1]); at(4.0); command(2.0); at(4.2); '

@@ -53,6 +53,9 @@ class Odometry:
             return self._into.compose(self._robot.pose_at(now_ns))
         return motion.pose_at(now_ns)
 
+    def reset(self, now_ns: int) -> None:
+        """Forget all errors at ``now_ns`` [ns]; here there are none."""
+
     def velocity_at(self, now_ns: int) -> Tuple[float, float, float]:
         """Return (forward [m/s], lateral [m/s], turning [rad/s]) in the base frame at ``now_ns`` [ns]."""
         return self._robot.velocity_at(now_ns)

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Mapping, NamedTuple, Optional, Tuple
 
-from ..common.kinds import ANY, FLAG, check_keys, error, number, one_of
+from ..common.kinds import ANY, FLAG, check_keys, error, number, numbers, one_of
 from ..common.parameter_table import Parameter, place_of, read_mapping
 from ..common.units import seconds_to_ns
 
@@ -31,6 +31,10 @@ TABLE = (
               'a mapping of x, y to limits', needs=_BY_VELOCITIES),
     Parameter('angular', None, ANY, 'Limits of the turn rate `z`, as in diff_drive_controller.',
               'a mapping of z to limits', needs=_BY_VELOCITIES),
+    Parameter('odom_error', None, numbers(4, 'a list [x, y, z, a] of shares in 0..1', number(0.0, 1.0)),
+              'Ranges of the constant shares by which the odometry is wrong ahead, sideways and in turning; z counts '
+              'for nothing. Each share is drawn by the seed between minus and plus half of its range, as Stage says of '
+              'its `odom_error`.', needs=_BY_VELOCITIES),
 )
 _MOST, _LEAST = number(0.0, 1e6), number(-1e6, 0.0)
 _AXIS = (
@@ -56,13 +60,14 @@ class DriveSettings:
     """How a robot is driven: ``timeout_ns`` [ns] after a command the watchdog stops it, 0: never.
 
     ``limits``: the Limits of the speeds ahead and sideways [m/s] and of the turn rate [rad/s]. ``period_ns`` [ns]: the
-    time between two changes of the twist while a change is limited.
+    time between two changes of the twist while a change is limited. ``odom_error``: see :func:`.drift.make_odometry`.
     """
 
     holonomic: bool = False
     timeout_ns: int = seconds_to_ns(_TIMEOUT_S)
     period_ns: int = 20_000_000
     limits: Tuple[Limits, Limits, Limits] = (Limits(), Limits(), Limits())
+    odom_error: Tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def read_drive(values: Mapping[str, Any], where: str) -> Optional[DriveSettings]:
@@ -77,9 +82,10 @@ def read_drive(values: Mapping[str, Any], where: str) -> Optional[DriveSettings]
         raise error(place_of(where, 'base_watchdog_timeout'), of_stage, 'one of the two',
                     f' with cmd_vel_timeout: {timeout:g}, which is the same')
     found = [one for one in (timeout, of_stage, _TIMEOUT_S) if one is not None]
+    ahead, aside, _, turned = values['odom_error'] or (0.0,) * 4
     forward, lateral, turning = (_limits(values, group, axis, where) for group, axes in _AXES.items() for axis in axes)
     return DriveSettings(values['holonomic'], seconds_to_ns(found[0]), seconds_to_ns(values['control_period']),
-                         (forward, lateral, turning))
+                         (forward, lateral, turning), (ahead, aside, turned))
 
 
 def _limits(values: Mapping[str, Any], group: str, axis: str, where: str) -> Limits:

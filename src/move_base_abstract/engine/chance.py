@@ -43,6 +43,7 @@ class Purpose(IntEnum):
     TASK_DURATION = 44
     ORDER_STOP = 45
     SCAN = 61
+    ODOMETRY = 62
 
 
 class Chance:

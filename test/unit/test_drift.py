@@ -1,0 +1,121 @@
+"""Odometry that drifts: the shares by seed, the pose as a formula, and what does not change."""
+import math
+
+import pytest
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.driving.drift import DriftingOdometry, make_odometry
+from move_base_abstract.driving.drive_motion import Twist
+from move_base_abstract.driving.odometry import Odometry
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.motion.geometry import Pose2D, normalize_angle
+from move_base_abstract.scenario import make_scenario
+
+S = 1_000_000_000
+SHARES = Twist(1.02, 0.9, 0.95)
+DRIVE = [(0.5, 0.0, 0.3), (0.0, 0.0, -1.0), (-0.4, 0.2, 0.0), (0.8, -0.1, 0.7), (0.0, 0.0, 0.0), (0.3, 0.0, 0.0)]
+
+
+def fleet_of(**parameters):
+    return Fleet(make_scenario({'robots': [{
+        'name': 'r', 'driven_by': 'velocities', 'holonomic': True, 'cmd_vel_timeout': 0.0, 'start_x': 1.0,
+        'start_y': 2.0, 'start_yaw': 0.5, **parameters}]}), 0)
+
+
+def drive(fleet, odometry):
+    """Drive for 6 s; yield the time [ns] every 0.25 s."""
+    for forward, lateral, turning in DRIVE:
+        fleet.robot('r').drive(forward, turning, lateral)
+        for _ in range(4):
+            fleet.run_for(0.25)
+            yield fleet.now_ns
+
+
+def by_hand(seconds, shares, start=(0.0, 0.0, 0.0)):
+    """Return the pose in the odom frame after so many s, integrated in steps of 0.1 ms at the middle of each."""
+    x, y, yaw = start
+    for step in range(round(seconds * 10_000)):
+        forward, lateral, turning = (one * share for one, share in zip(DRIVE[step // 10_000], shares))
+        middle = yaw + turning * 0.5e-4
+        x += (forward * math.cos(middle) - lateral * math.sin(middle)) * 1e-4
+        y += (forward * math.sin(middle) + lateral * math.cos(middle)) * 1e-4
+        yaw += turning * 1e-4
+    return x, y, yaw
+
+
+def test_the_pose_is_that_of_velocities_times_their_shares():
+    fleet = fleet_of()
+    robot = fleet.robot('r').navigator.robot
+    odometry = DriftingOdometry(robot, Pose2D(1.0, 2.0, 0.5), SHARES, 0)
+    for now_ns in drive(fleet, odometry):
+        pose = odometry.pose_at(now_ns)
+        x, y, yaw = by_hand(now_ns / S, SHARES)
+        assert (pose.x, pose.y) == pytest.approx((x, y), abs=1e-8)
+        assert normalize_angle(pose.yaw - yaw) == pytest.approx(0.0, abs=1e-9)
+        assert odometry.velocity_at(now_ns) == pytest.approx([
+            one * share for one, share in zip(robot.velocity_at(now_ns), SHARES)])
+        true = robot.pose_at(now_ns)
+        seen = odometry.origin_at(true, pose).compose(pose)
+        assert (seen.x, seen.y, seen.yaw) == pytest.approx((true.x, true.y, true.yaw))
+    past = odometry.pose_at(5 * S // 2)  # it remembers
+    assert (past.x, past.y) == pytest.approx(by_hand(2.5, SHARES)[:2], abs=1e-8)
+    assert odometry.drifts
+
+
+def test_without_an_error_it_is_the_pose_from_the_origin():
+    fleet = fleet_of()
+    robot = fleet.robot('r').navigator.robot
+    origin = Pose2D(1.0, 2.0, 0.5)
+    plain, wrong = make_odometry(robot, origin, (0.0, 0.0, 0.0), 1, 0), DriftingOdometry(
+        robot, origin, Twist(1.0, 1.0, 1.0), 0)
+    assert type(plain) is Odometry
+    for now_ns in drive(fleet, plain):
+        one, other = plain.pose_at(now_ns), wrong.pose_at(now_ns)
+        assert (one.x, one.y) == pytest.approx((other.x, other.y), abs=1e-12)
+        assert normalize_angle(one.yaw - other.yaw) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_teleport_changes_nothing_and_a_reset_begins_anew():
+    fleet = fleet_of()
+    robot = fleet.robot('r').navigator.robot
+    odometry = DriftingOdometry(robot, Pose2D(), SHARES, 0)
+    fleet.robot('r').drive(0.5)
+    fleet.run(1 * S)
+    before = odometry.pose_at(1 * S)
+    fleet.robot('r').place(Pose2D(7.0, -3.0, 1.0))
+    assert odometry.pose_at(1 * S) == before
+    fleet.run(2 * S)  # it drives on
+    pose = odometry.pose_at(2 * S)
+    assert math.hypot(pose.x - before.x, pose.y - before.y) == pytest.approx(0.5 * 1.02)
+    odometry.reset(2 * S)
+    assert odometry.pose_at(2 * S) == robot.pose_at(2 * S)
+    robot.restart(2 * S, 0)  # the clock starts anew
+    assert odometry.pose_at(0) == robot.pose_at(0)
+
+
+def test_the_shares_are_drawn_by_the_seed_and_the_name_within_half_of_the_range():
+    robot = fleet_of().robot('r').navigator.robot
+    found = [make_odometry(robot, Pose2D(), (0.04, 0.0, 0.1), seed, 0).shares for seed in range(200)]
+    assert found == [make_odometry(robot, Pose2D(), (0.04, 0.0, 0.1), seed, 0).shares for seed in range(200)]
+    for place, half in ((0, 0.02), (2, 0.05)):
+        values = sorted(shares[place] - 1.0 for shares in found)
+        assert -half <= values[0] < -0.95 * half
+        assert 0.95 * half < values[-1] <= half
+        assert abs(sum(values) / 200) < 0.2 * half
+    assert {shares[1] for shares in found} == {1.0}
+
+
+def test_the_truth_does_not_change():
+    traces = []
+    for parameters in ({}, {'odom_error': [0.03, 0.03, 0.0, 0.05]}):
+        fleet = fleet_of(log_motion=True, **parameters)
+        for _ in drive(fleet, None):
+            pass
+        traces.append(fleet.trace)
+    assert traces[0] == traces[1]
+
+
+def test_what_is_no_error_is_refused():
+    for wrong in ([0.1, 0.1], [0.1, 0.1, 0.0, 2.0], 'much', [0.1, -0.1, 0.0, 0.0]):
+        with pytest.raises(ConfigurationError, match='odom_error'):
+            fleet_of(odom_error=wrong)
