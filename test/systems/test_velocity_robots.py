@@ -267,6 +267,15 @@ class ByHand(unittest.TestCase):
                 self.assertAlmostEqual(got, hand, delta=1e-6)
         self.assertGreater(abs(forward - 0.5), 1e-3)
 
+    def test_a_fleet_resets_all_as_stage_ros_does(self):
+        body = ('drive = rospy.Publisher("/one/cmd_vel", Twist, queue_size=1); twist = Twist(); twist.linear.x = 0.5; '
+                'at(4.0); drive.publish(twist); at(4.3); rospy.ServiceProxy("/reset_positions", Empty)(); at(5.0); '
+                'say(rospy.wait_for_message("/one/odom", Odometry))')
+        rows, run = by_hand(body, beside=[('fleet', {'robots': [{'name': 'one', 'driven_by': 'velocities'}]})])
+        self.assertEqual(float(rows[0][3]), 0.0)
+        stands = [event for event in run.events if event[1] == 'one' and event[2] == 'stands']
+        self.assertAlmostEqual(stands[-1][0] / NS_PER_S, 4.3, delta=1e-8)
+
     def test_limits_of_diff_drive_controller(self):
         rows, _ = by_hand('at(3.0); command(2.0); at(3.05); say(odometry[-1]); at(4.0); command(2.0); at(4.2); '
                           'say(odometry[-1])',

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Sequence, Tuple
 
 import rospy
-from std_srvs.srv import Trigger, TriggerResponse
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerResponse
 
 from move_base_abstract.common.bounded_yaml import REQUEST, load_yaml_text
 from move_base_abstract.common.errors import ConfigurationError
@@ -70,6 +70,9 @@ class FleetServer:
         self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
                           rospy.Service('~remove_robot', RemoveRobot, self._on_remove),
                           rospy.Service('~reset', Trigger, self._on_reset)]
+        if any(spec.settings.drive is not None for _, spec in specs):
+            name = namespace.rstrip('/') + '/reset_positions'
+            self._services.append(rospy.Service(name, Empty, self._on_reset_as_stage))
 
     @property
     def names(self) -> List[str]:
@@ -136,6 +139,10 @@ class FleetServer:
         self._forget_frame(request.name)
         rospy.loginfo('%s: robot %s is removed', rospy.get_name(), request.name)
         return RemoveRobotResponse(True, '')
+
+    def _on_reset_as_stage(self, request: Any) -> Any:
+        self._on_reset(request)
+        return EmptyResponse()
 
     def _on_reset(self, _request: Any) -> Any:
         with self._changes:
