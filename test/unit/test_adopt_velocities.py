@@ -281,3 +281,19 @@ def test_a_world_that_its_author_names_by_a_path_of_his_own_is_taken_from_its_pa
     assert dict(made.options.start) == {'/velocity_robot': (1.0, 2.0, 0.0)}
     assert made.options.param['/velocity_robot/footprint'][0] == [-0.5, -0.5]
     assert any("two.world is taken for Stage's world" in remark for remark in made.remarks)
+
+
+def test_with_real_navigation_a_localizer_that_is_respawned_takes_part_and_its_guess_is_no_other_place(
+        package, tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '{}:{}'.format(os.environ['ROS_PACKAGE_PATH'], tmp_path / '.hidden'))
+    package('../../.hidden/amcl/package.xml', '<package><name>amcl</name></package>')
+    package('../../.hidden/amcl/scripts/amcl', '#!/usr/bin/env python3\nimport rospy\n', 0o755)
+    package('worlds/two.world', 'position ( pose [ 1 2 0 0 ] )')
+    made = adopt(package('one.launch', STAGE.format('', '', """<node pkg="amcl" type="amcl" name="amcl" respawn="true">
+      <param name="initial_pose_x" value="9.0"/></node>""")), real_navigation=True)
+    assert made.options.no_respawn and dict(made.options.start) == {'/velocity_robot': (1.0, 2.0, 0.0)}
+    assert not any('could start elsewhere' in remark for remark in made.remarks)
+    assert made.options.param['/velocity_robot/publish_map_frame'] is False
+    missing = adopt(package('one.launch', STAGE.format('', '', """<node pkg="amcl" type="als_ros" name="amcl"/>""")),
+                    real_navigation=True)
+    assert missing.options.param['/velocity_robot/publish_map_frame'] is True  # nobody else does

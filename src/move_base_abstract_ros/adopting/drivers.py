@@ -59,7 +59,8 @@ def _of_stage(config, body, stages):
 
 def _outline(body):
     (length, width), (x, y) = body.size, body.centre
-    return [[round(x + dx * length / 2, 9), round(y + dy * width / 2, 9)] for dx, dy in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
+    return [[round(x + dx * length / 2, 9), round(y + dy * width / 2, 9)]
+            for dx, dy in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
 
 
 def _of_gazebo(config, hint):

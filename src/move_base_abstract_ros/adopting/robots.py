@@ -90,7 +90,7 @@ def _driven(hints):
     robots = {}
     for hint in sorted(simulated or found, key=lambda hint: hint.source == poses.DRIVER):
         robots.setdefault(hint.namespace, _new(
-            hint.namespace, 'the file starts no move_base, and this robot is there: {}'.format(hint.who), hint.place,
+            hint.namespace, 'it is driven by velocities: {}'.format(hint.who), hint.place,
             drivers.NODE)._replace(hint=hint))
     return list(robots.values())
 
@@ -214,7 +214,8 @@ def _start(robot, hints, stages, by_order):
     if chosen is None:
         return Start(robot, None, (0.0, 0.0, 0.0), (), False)
     pose = in_map(chosen, offset, robot)
-    others = [(hint, in_map(hint, offset, robot)) for hint in hints if hint is not chosen]
+    others = [(hint, in_map(hint, offset, robot)) for hint in hints if hint is not chosen and not (
+        robot.is_driven and chosen in simulated)]  # where the simulator has it, whatever a localizer guesses
     return Start(robot, chosen, pose, tuple(one for one in others if _differ(one[1], pose)), chosen in by_order)
 
 

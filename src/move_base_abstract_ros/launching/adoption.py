@@ -95,7 +95,8 @@ class _Adoption:
             start={**asked.start, **self.starts}, is_told=True, real_navigation=False,
             python2=(*asked.python2, *(name for name, why in self.older.items() if why and name not in asked.python2)),
             no_respawn=asked.no_respawn or any(
-                node.respawn and _kind_of(node).word == kinds.ELSE for node in kept))
+                node.respawn and (_kind_of(node).word == kinds.ELSE or self._stays_as_it_is(node, _kind_of(node)))
+                for node in kept))
         options = velocities.gathered(self, options)
         return Adopted(options, *map(tuple, (self.done, self.remarks, self.problems, what_counts.unread(self))))
 

@@ -32,8 +32,9 @@ def tells_place(adoption):
     nodes = [node for node in adoption.config.nodes if roles.name_of(node) not in adoption.options.leave_out]
     reasons = [kinds.kind_of(node.package, node.type).why for node in nodes
                if not adoption.is_kept(node) and roles.program_of(node) is not None]
-    return not adoption.options.real_navigation and kinds.SENSES not in reasons and any(
-        kinds.is_localizer(node.package) and not adoption.is_kept(node) for node in nodes)
+    out = [node for node in nodes if kinds.is_localizer(node.package) and not adoption.is_kept(node)
+           and not (adoption.options.real_navigation and roles.program_of(node) is not None)]
+    return bool(out) and kinds.SENSES not in reasons
 
 
 def prepare(adoption, kept):
