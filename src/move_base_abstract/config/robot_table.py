@@ -68,7 +68,7 @@ SHOWN = (
               'Where the odom frame lies. If it is not set, it lies where the robot starts, as with stage_ros.',
               needs=DRIVEN),
     Parameter('slash_in_headers', False, FLAG,
-              'Whether frames in the headers of odometry begin with a slash, as those of stage_ros with several robots.',
+              'Whether frames in headers of odometry begin with a slash, as those of stage_ros with several robots.',
               needs=DRIVEN),
     Parameter('use_stamped_vel', False, FLAG, 'Whether `cmd_vel` has TwistStamped instead of Twist.', needs=DRIVEN),
     Parameter('initialpose_moves', True, FLAG,
