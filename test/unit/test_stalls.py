@@ -208,6 +208,25 @@ def test_after_a_reset_the_same_happens_again():
     assert len(found[0]) >= 4
 
 
+def test_after_a_restart_of_the_clock_robots_stand_where_they_were_and_stall_again_by_the_new_time():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 6.0, 5.0, np.pi))
+    for robot in fleet.robots:
+        robot.drive(0.5)
+    fleet.run(1 * S)
+    fleet.simulation.restart(S // 10)
+    for robot in fleet.robots:
+        robot.navigator.restart(1 * S, S // 10)
+    poses = [robot.pose for robot in fleet.robots]
+    fleet.run(5 * S)
+    assert [robot.pose for robot in fleet.robots] == poses
+    assert stalls(fleet) == []
+    for robot in fleet.robots:
+        robot.drive(0.5)
+    fleet.run(10 * S)
+    assert stalls(fleet) == [(name, by, pytest.approx(5.0 + (2.0 - 0.6 - REACH), abs=2e-9))
+                             for name, by in ('ab', 'ba')]
+
+
 def test_another_map_counts_from_its_instant_on():
     fleet = fleet_of(('a', 3.0, 5.0, 0.0))
     fleet.robot('a').drive(0.5)
