@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from move_base_abstract.driving.contact import polygon
-from move_base_abstract.driving.drift import DriftingOdometry
 from move_base_abstract.driving.drive_motion import Twist
+from move_base_abstract.driving.odometry import Odometry
 from move_base_abstract.driving.walls import Walls
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.occupancy import OccupancyMap
@@ -139,7 +139,7 @@ def test_odometry_that_is_wrong_by_the_same_shares_drifts_as_in_stage():
     checked = 0
     for drive in DRIVES:
         fleet = fleet_of(drive)
-        odometries = [DriftingOdometry(robot.navigator.robot, Pose2D(), shares, 0) for robot in fleet.robots]
+        odometries = [Odometry(robot.navigator.robot, Pose2D(), 0, shares) for robot in fleet.robots]
         rows = [{row[0]: row for row in robot.get('odometry', ())} for robot in drive['robots']]
         for number, row in run(drive, fleet):
             if row[0] in rows[number] and not drive['robots'][number]['holonomic']:

@@ -4,9 +4,8 @@ import math
 import pytest
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.driving.drift import DriftingOdometry, make_odometry
 from move_base_abstract.driving.drive_motion import Twist
-from move_base_abstract.driving.odometry import Odometry
+from move_base_abstract.driving.odometry import Odometry, drawn_shares
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 from move_base_abstract.scenario import make_scenario
@@ -46,7 +45,7 @@ def by_hand(seconds, shares, start=(0.0, 0.0, 0.0)):
 def test_the_pose_is_that_of_velocities_times_their_shares():
     fleet = fleet_of()
     robot = fleet.robot('r').navigator.robot
-    odometry = DriftingOdometry(robot, Pose2D(1.0, 2.0, 0.5), SHARES, 0)
+    odometry = Odometry(robot, Pose2D(1.0, 2.0, 0.5), 0, SHARES)
     for now_ns in drive(fleet, odometry):
         pose = odometry.pose_at(now_ns)
         x, y, yaw = by_hand(now_ns / S, SHARES)
@@ -65,20 +64,19 @@ def test_the_pose_is_that_of_velocities_times_their_shares():
 def test_without_an_error_it_is_the_pose_from_the_origin():
     fleet = fleet_of()
     robot = fleet.robot('r').navigator.robot
-    origin = Pose2D(1.0, 2.0, 0.5)
-    plain, wrong = make_odometry(robot, origin, (0.0, 0.0, 0.0), 1, 0), DriftingOdometry(
-        robot, origin, Twist(1.0, 1.0, 1.0), 0)
-    assert type(plain) is Odometry
+    origin = Pose2D(-3.0, 1.0, 1.5)
+    plain = Odometry(robot, origin, 0, drawn_shares((0.0, 0.0, 0.0), 1, 'r'))
+    assert not plain.drifts
     for now_ns in drive(fleet, plain):
-        one, other = plain.pose_at(now_ns), wrong.pose_at(now_ns)
-        assert (one.x, one.y) == pytest.approx((other.x, other.y), abs=1e-12)
-        assert normalize_angle(one.yaw - other.yaw) == pytest.approx(0.0, abs=1e-12)
+        true, again = robot.pose_at(now_ns), origin.compose(plain.pose_at(now_ns))
+        assert (true.x, true.y) == pytest.approx((again.x, again.y), abs=1e-12)
+        assert normalize_angle(true.yaw - again.yaw) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_teleport_changes_nothing_and_a_reset_begins_anew():
     fleet = fleet_of()
     robot = fleet.robot('r').navigator.robot
-    odometry = DriftingOdometry(robot, Pose2D(), SHARES, 0)
+    odometry = Odometry(robot, Pose2D(), 0, SHARES)
     fleet.robot('r').drive(0.5)
     fleet.run(1 * S)
     before = odometry.pose_at(1 * S)
@@ -94,9 +92,9 @@ def test_a_teleport_changes_nothing_and_a_reset_begins_anew():
 
 
 def test_the_shares_are_drawn_by_the_seed_and_the_name_within_half_of_the_range():
-    robot = fleet_of().robot('r').navigator.robot
-    found = [make_odometry(robot, Pose2D(), (0.04, 0.0, 0.1), seed, 0).shares for seed in range(200)]
-    assert found == [make_odometry(robot, Pose2D(), (0.04, 0.0, 0.1), seed, 0).shares for seed in range(200)]
+    found = [drawn_shares((0.04, 0.0, 0.1), seed, 'r') for seed in range(200)]
+    assert found == [drawn_shares((0.04, 0.0, 0.1), seed, 'r') for seed in range(200)]
+    assert found[0] != drawn_shares((0.04, 0.0, 0.1), 0, 'other')
     for place, half in ((0, 0.02), (2, 0.05)):
         values = sorted(shares[place] - 1.0 for shares in found)
         assert -half <= values[0] < -0.95 * half

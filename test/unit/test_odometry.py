@@ -23,7 +23,7 @@ def settings(**raw):
 def driven(twists, start=Pose2D(3.0, 1.0, -2.5)):
     """Return (a robot that drives with each of the twists for a second, its odometry)."""
     robot = Robot(0, 'robot', start)
-    odometry = Odometry(robot, ORIGIN)
+    odometry = Odometry(robot, ORIGIN, 0)
     robot.set_off(DriveMotion(start, [(at * NS, twist) for at, twist in enumerate(twists)], len(twists) * NS), 0)
     return robot, odometry
 

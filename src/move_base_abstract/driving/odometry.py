@@ -1,84 +1,97 @@
-"""A robot's odometry: where it takes itself to be in the odom frame, as a motion of its own."""
+"""A robot's odometry: where it takes itself to be in the odom frame, as a motion of its own.
+
+It may be wrong by constant shares, as with Stage's ``localization "odom"``, so that localisation has work to do. Each
+component of the velocity is then measured as its true value times a share near 1. An arc so is another arc, and the
+pose in the odom frame stays a formula of the instant.
+"""
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Iterator, Optional, Tuple
+from collections import deque
+from typing import TYPE_CHECKING, Deque, Optional, Tuple
 
+from ..engine.chance import Chance, Purpose
 from ..motion.geometry import Pose2D
-from ..motion.pieces import Motion, Placed
+from ..motion.pieces import velocity_of
+from .drive_motion import DriveMotion, Twist
 
 if TYPE_CHECKING:
     from ..motion.robot import Robot
 
+_REMEMBERED = 64  # the number of motions whose poses can be asked for, as of a Robot
+_EXACT = Twist(1.0, 1.0, 1.0)
+
 
 class Odometry:
-    """The odometry of ``robot`` (Robot), seen from ``origin`` (Pose2D, global frame), where the odom frame lies."""
+    """The odometry of ``robot`` (Robot), from ``now_ns`` [ns] on, with each component of the velocity times ``shares``.
 
-    def __init__(self, robot: Robot, origin: Pose2D) -> None:
+    ``origin`` (Pose2D, global frame) is where the odom frame lies. Without an error the odometry is the robot's pose
+    seen from there, whatever happens. With one, a teleport does not change it. When a clock starts anew, and at a
+    :meth:`reset`, it begins anew without an error.
+    """
+
+    def __init__(self, robot: Robot, origin: Pose2D, now_ns: int, shares: Twist = _EXACT) -> None:
+        #: where the odom frame lies in the global frame, and what the velocities are multiplied by
+        self.origin, self.shares = origin, shares
+        #: whether the odometry is wrong, so that the odom frame drifts away from its origin
+        self.drifts = shares != _EXACT
         self._robot = robot
-        #: where the odom frame lies in the global frame
-        self.origin = origin
         self._into = origin.inverse()
-        self._seen: Optional[_Seen] = None
+        # (since when [ns], the pose then, the motion in the odom frame from then on, or None at rest), ...
+        self._past: Deque[Tuple[int, Pose2D, Optional[DriveMotion]]] = deque(maxlen=_REMEMBERED)
+        self.reset(now_ns)
+        robot.follow(self._moved)
 
-    @property
-    def drifts(self) -> bool:
-        """Whether the odometry is wrong, so that the odom frame drifts away from its origin."""
-        return False
-
-    def origin_at(self, _true: Pose2D, _seen: Pose2D) -> Pose2D:
+    def origin_at(self, true: Pose2D, seen: Pose2D) -> Pose2D:
         """Return where the odom frame seems to lie in the global frame.
 
-        ``_true``: the pose of the robot in the global frame; ``_seen``: its pose in the odom frame.
+        ``true``: the pose of the robot in the global frame; ``seen``: its pose in the odom frame.
         """
-        return self.origin
+        return true.compose(seen.inverse()) if self.drifts else self.origin
 
     @property
-    def motion(self) -> Optional[Motion]:
+    def motion(self) -> Optional[DriveMotion]:
         """The motion under way, in the odom frame; None while the robot stands."""
-        leg = self._robot.leg
-        if leg is None:
-            return None
-        if self._seen is None or self._seen.whole is not leg:
-            self._seen = _Seen(leg, self._into)
-        return self._seen
+        return self._past[-1][2]
 
     def pose_at(self, now_ns: int) -> Pose2D:
-        """Return the pose in the odom frame at ``now_ns`` [ns].
-
-        :raises TimeError: as Robot.pose_at does.
-        """
-        motion = self.motion
-        if motion is None or now_ns < motion.depart_ns:
-            return self._into.compose(self._robot.pose_at(now_ns))
-        return motion.pose_at(now_ns)
-
-    def reset(self, now_ns: int) -> None:
-        """Forget all errors at ``now_ns`` [ns]; here there are none."""
+        """Return the pose in the odom frame at ``now_ns`` [ns], which is the present or not too long ago."""
+        for since_ns, pose, motion in reversed(self._past):
+            if now_ns >= since_ns:
+                return pose if motion is None else motion.pose_at(now_ns)
+        return self._past[0][1]
 
     def velocity_at(self, now_ns: int) -> Tuple[float, float, float]:
-        """Return (forward [m/s], lateral [m/s], turning [rad/s]) in the base frame at ``now_ns`` [ns]."""
-        return self._robot.velocity_at(now_ns)
+        """Return (forward [m/s], lateral [m/s], turning [rad/s]) as it is measured, at ``now_ns`` [ns]."""
+        return self._measured(*self._robot.velocity_at(now_ns))
+
+    def reset(self, now_ns: int) -> None:
+        """Begin anew at ``now_ns`` [ns]: where the robot is, without an error."""
+        self._past.clear()
+        self._moved(now_ns)
+
+    def _moved(self, now_ns: int) -> None:
+        """Go on as the robot does from ``now_ns`` [ns] on; an error begins anew when time has."""
+        goes_on = self.drifts and self._past and now_ns >= self._past[-1][0]
+        pose = self.pose_at(now_ns) if goes_on else self._into.compose(self._robot.pose_at(now_ns))
+        if self._past and now_ns < self._past[-1][0]:
+            self._past.clear()
+        leg, motion = self._robot.leg, None
+        if leg is not None:
+            steps = [(max(piece.begin_ns, now_ns), self._measured(*velocity_of(piece, piece.begin_ns)))
+                     for piece, end_ns in leg.spans() if end_ns > now_ns]
+            motion = DriveMotion(pose, steps, leg.arrive_ns)
+        self._past.append((now_ns, pose, motion))
+
+    def _measured(self, *velocity: float) -> Twist:
+        return Twist(*(share * one for share, one in zip(self.shares, velocity)))
 
 
-class _Seen(Motion):
-    """The motion ``whole`` in another frame; ``into`` (Pose2D): the frame in which it is given, in that frame."""
+def drawn_shares(error: Tuple[float, float, float], seed: int, name: str) -> Twist:
+    """Return the shares for an Odometry of the robot ``name`` that is wrong by ``error``, ranges for each component.
 
-    __slots__ = ('whole', '_into')
-
-    def __init__(self, whole: Motion, into: Pose2D) -> None:
-        self.whole = whole
-        self._into = into
-        self.depart_ns, self.arrive_ns, self.distance = whole.depart_ns, whole.arrive_ns, whole.distance
-        self.start, self.end = into.compose(whole.start), into.compose(whole.end)
-        self._kept = None
-
-    def _stretches(self) -> Iterator[Placed]:
-        turned = Pose2D(0.0, 0.0, self._into.yaw)
-        for piece in self.whole.pieces:
-            place = self._into.compose(Pose2D(piece.x, piece.y, piece.yaw))
-            along = turned.compose(Pose2D(piece.ux, piece.uy))
-            ux, uy = along.x, along.y
-            if (piece.ux, piece.uy) == (math.cos(piece.yaw), math.sin(piece.yaw)):  # so it stays straight ahead
-                ux, uy = math.cos(place.yaw), math.sin(place.yaw)
-            yield piece._replace(x=place.x, y=place.y, yaw=place.yaw, ux=ux, uy=uy), 0.0
+    Each is drawn by the seed and the name, uniformly between 1 minus and 1 plus half of its range.
+    """
+    if not any(error):
+        return _EXACT
+    chance = Chance(seed, name)
+    return Twist(*(1.0 + most * (chance.uniform(0, Purpose.ODOMETRY, place) - 0.5) for place, most in enumerate(error)))

@@ -60,7 +60,7 @@ class DriveSettings:
     """How a robot is driven: ``timeout_ns`` [ns] after a command the watchdog stops it, 0: never.
 
     ``limits``: the Limits of the speeds ahead and sideways [m/s] and of the turn rate [rad/s]. ``period_ns`` [ns]: the
-    time between two changes of the twist while a change is limited. ``odom_error``: see :func:`.drift.make_odometry`.
+    time between two changes of the twist while a change is limited. ``odom_error``: see :func:`.drawn_shares`.
     """
 
     holonomic: bool = False

@@ -8,7 +8,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.common.errors import FrameError
-from move_base_abstract.driving.drift import make_odometry
+from move_base_abstract.driving.odometry import Odometry, drawn_shares
 from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.fleet.robot_rows import tell_start
@@ -27,7 +27,6 @@ from .teleport import Teleport
 if TYPE_CHECKING:
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.driving.driver import Driver
-    from move_base_abstract.driving.odometry import Odometry
     from move_base_abstract.motion.robot import Robot
 
     from .host import Host
@@ -73,8 +72,9 @@ class VelocityServer(RobotServer):
         robot, self.navigator, self.condition = parts.robot, parts.navigator, parts.condition
         assert parts.driver is not None  # its settings are those of a robot that is driven by velocities
         self.driver = parts.driver
-        self._odometry = odometry = make_odometry(robot, settings.odom_origin, parts.driver.settings.odom_error,
-                                                  values['seed'], self._clock.simulation.now_ns)
+        self._odometry = odometry = Odometry(
+            robot, settings.odom_origin, self._clock.simulation.now_ns,
+            drawn_shares(parts.driver.settings.odom_error, values['seed'], robot.name))
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
         self._frames = RobotFrames(robot, values['global_frame'], values['global_frame'],
                                    settings.frame(values['robot_base_frame']), self._lookup.lookup)
