@@ -154,6 +154,17 @@ class Strangers(unittest.TestCase):
         self.assertEqual(runs[0].said, runs[1].said)
         assert_same(self, runs[0].events, runs[1].events)
 
+    def test_a_node_of_its_own_drives_as_a_robot_of_a_fleet(self):
+        own = {**FLEET['defaults'], **FLEET['robots'][0], 'tf_prefix': 'robot_0'}
+        del own['name']
+        with InLockstep(['/robot_0/velocity_robot', '/robot_0/commander']) as run:
+            run.ros.run('velocity_robot', 'velocity_robot', '/robot_0', own)
+            run.ros.set_param('/robot_0/commander', {'frames': 'robot_0/'})
+            said, = run.end_of(run.ros.spawn('/robot_0/commander', [
+                find_executable('lockstep'), os.path.join(UNMODIFIED, 'velocity_commander.py'), '__name:=commander',
+                '__ns:=/robot_0']))
+        self.assertEqual(said.splitlines(), self.plain.said[0])
+
     def test_tf_and_odometry_are_one(self):
         words = self.plain.said[0][-1].replace(';', '').split()
         self.assertEqual(words[2:4], words[-2:])
