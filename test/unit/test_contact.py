@@ -144,6 +144,15 @@ def test_the_instant_is_that_of_the_formula():
         math.asin((0.4 - REACH) / radius) * S, abs=3)
 
 
+@pytest.mark.parametrize('degrees', range(60, 301, 15))
+def test_a_tip_that_turns_away_comes_round(degrees):
+    tip = polygon([(0.5, 0.0), (-0.04, 0.03), (-0.04, -0.03)])
+    piece = arc(FACE - 0.3, 2.0, math.radians(degrees), 0.0, 1.0)
+    angle = math.acos((0.3 - REACH) / 0.5)  # at which it touches the wall, to both sides
+    assert touch_of(EAST, tip, piece, 10 * S) == pytest.approx(
+        (-angle - math.radians(degrees)) % (2.0 * math.pi) * S, abs=3)
+
+
 @pytest.mark.parametrize('shape', SHAPES)
 def test_a_body_that_was_pushed_often_comes_no_nearer_and_may_drive_along_the_wall(shape):
     walls, pose, now_ns = Walls(EAST, shape), Pose2D(2.0, 2.0, 0.0), 0
