@@ -1,4 +1,5 @@
 """Launch files of others without a move_base: their robots are driven by velocities, as their simulators had them."""
+import argparse
 import math
 import os
 import shlex
@@ -297,3 +298,19 @@ def test_with_real_navigation_a_localizer_that_is_respawned_takes_part_and_its_g
     missing = adopt(package('one.launch', STAGE.format('', '', """<node pkg="amcl" type="als_ros" name="amcl"/>""")),
                     real_navigation=True)
     assert missing.options.param['/velocity_robot/publish_map_frame'] is True  # nobody else does
+
+
+def test_with_real_navigation_a_robot_that_nothing_places_is_there_for_each_move_base(package):
+    group = '<group ns="{}"><node pkg="move_base" type="move_base" name="move_base"/></group>'
+    path = package('one.launch', '<launch>{}{}</launch>'.format(group.format('a'), group.format('b')))
+    made = adopt(path, real_navigation=True)
+    assert made.problems == () and sorted(rows(made)) == ['a', 'b']
+    assert sum('nothing in the file says what it is' in remark for remark in made.remarks) == 2
+
+
+def test_several_launch_files_are_one_run_and_all_get_the_arguments(package):
+    parser, one = argparse.ArgumentParser(), package('one.launch', '<launch/>')
+    two = package('two.launch', '<launch/>')
+    assert command_line.files_of(parser, [one, two, 'x:=1']) == [(one, ['x:=1']), (two, ['x:=1'])]
+    with pytest.raises(SystemExit):
+        command_line.files_of(parser, [one, two, 'not_here.launch'])

@@ -51,7 +51,7 @@ def prepare(adoption, kept):
         prefix = _prefix_of(robot, values)
         if prefix:
             params['tf_prefix'] = prefix
-            params.update({'slash_in_headers': True} if robot.hint.source == poses.STAGE else {})
+            params.update({'slash_in_headers': True} if _is_of_stage(robot) else {})
         walls = _walls_of(adoption, robot, kept, place)
         params.update({'use_map': True, 'map_topic': walls} if walls else {})
         adoption.param.update((robot.name + '/' + key, value) for key, value in params.items())
@@ -66,14 +66,18 @@ def prepare(adoption, kept):
         if driven(adoption) and stage.world not in poses.words_of(stage.node.args)]
 
 
+def _is_of_stage(robot):
+    return robot.hint is not None and robot.hint.source == poses.STAGE
+
+
 def _prefix_of(robot, values):
-    if robot.hint is not None and robot.hint.source == poses.STAGE:
+    if _is_of_stage(robot):
         return robot.namespace.strip('/').rpartition('/')[2] if robot.namespace != robot.hint.node.namespace else ''
     return str(served.nearest(robot.name, 'tf_prefix', values) or robot.namespace).strip('/')
 
 
 def _absolute(robot, topic):
-    base = robot.hint.node.name if robot.hint.node is not None and topic.startswith('~') else ''
+    base = robot.hint.node.name if topic.startswith('~') else ''  # only drivers have topics of their own
     return poses.ns_join(robot.namespace, poses.ns_join(base, topic[1:]) if base else topic)
 
 
@@ -83,7 +87,7 @@ def _walls_of(adoption, robot, kept, place):
         return ''
     topics = [one.topic for node in kept if node.type == 'map_server' and node.package in (PACKAGE, 'map_server')
               for one in [served.served_by(node, adoption.values())]]
-    is_of_stage = robot.hint is not None and robot.hint.source == poses.STAGE
+    is_of_stage = _is_of_stage(robot)
     if is_of_stage and not (place and topics) and _serves_floor(adoption, adoption.stages[0].world):
         return _WALLS + '/map'
     own = [topic for topic in topics if topic == robot.namespace + 'map'] or [
