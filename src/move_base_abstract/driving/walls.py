@@ -56,7 +56,7 @@ class Walls:
     def gap_at(self, pose: Pose2D) -> float:
         """Return the gap [m] between the body at ``pose`` (map frame) and the walls, at most twice REACH."""
         course = Course(self._on_map(stand(pose, 0)), self._shape)
-        return min([2.0 * REACH, *(gap_of(course, box.course(), 0) for box in self._near(course, 0, True))])
+        return min([2.0 * REACH, *(gap for gap, _ in self._gaps(course, 0, True))])
 
     def first_touch(self, spans: Iterable[Tuple[Piece, int]], begin_ns: int) -> Optional[int]:
         """Return the first instant [ns] from ``begin_ns`` on at which the body touches a wall in ``spans``, or None.
@@ -88,12 +88,18 @@ class Walls:
     def _begin(self, course: Course, now_ns: int) -> Tuple[Limit, Tuple[_Box, ...]]:
         """Return (the Limit at which the body touches, the cells that it overlaps) for a motion from now on."""
         passed: Tuple[_Box, ...] = ()
-        gap = min((gap_of(course, box.course(), now_ns) for box in self._near(course, now_ns, True)), default=math.inf)
+        gap = min((gap for gap, _ in self._gaps(course, now_ns, True)), default=math.inf)
         if gap <= OVERLAP:
-            gaps = [(gap_of(course, box.course(), now_ns), box) for box in self._near(course, now_ns, False)]
+            gaps = self._gaps(course, now_ns, False)
             passed = tuple(box for gap, box in gaps if gap <= OVERLAP)
             gap = min((gap for gap, _ in gaps if gap > OVERLAP), default=math.inf)
         return limit_of(gap) or FREE, passed
+
+    def _gaps(self, course: Course, now_ns: int, is_joined: bool) -> List[Tuple[float, _Box]]:
+        """Return (the gap [m], a box) for all boxes whose gap may be below twice REACH."""
+        pose, most = pose_of(course.piece, now_ns), self._shape.reach + 2.0 * REACH
+        return [(gap_of(course, box.course(), now_ns), box) for box in self._near(course, now_ns, is_joined)
+                if box.distance(pose) <= most]
 
     def _first_of(self, course: Course, boxes: List[_Box], limit: Limit, now_ns: int, end_ns: int) -> Optional[int]:
         found, pose = None, pose_of(course.piece, now_ns)
