@@ -1,7 +1,6 @@
 """What simulators of robots under velocities publish: odometry, tf from the odom frame on, and the true pose."""
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
 
 from nav_msgs.msg import Odometry as OdometryMessage
@@ -100,13 +99,9 @@ class DrivenBackend(BuiltinBackend):
         return self._odom_in_map is not None and self._track.drifts
 
     def _pack_odom(self, poses: Any, velocities: Any, stamp_ns: int) -> Pack:
-        return Template(partial(self._odom_bytes, self._in_odom, poses[1], velocities[1], stamp_ns),
+        return Template(lambda seq: self._in_odom.odometry(seq, poses[1], velocities[1], stamp_ns),
                         packing.of_odometry(self._in_odom.odometry_slots))
 
     def _pack_ground_truth(self, poses: Any, velocities: Any, stamp_ns: int) -> Pack:
-        return Template(partial(self._odom_bytes, self._in_map, poses[0], velocities[0], stamp_ns),
+        return Template(lambda seq: self._in_map.odometry(seq, poses[0], velocities[0], stamp_ns),
                         self._in_map.odometry_slots)
-
-    @staticmethod
-    def _odom_bytes(frame: InFrame, pose: Pose2D, velocity: Velocity, stamp_ns: int, seq: int) -> bytes:
-        return frame.odometry(seq, pose, velocity, stamp_ns)
