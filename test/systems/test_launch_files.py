@@ -177,7 +177,7 @@ class LaunchFiles(unittest.TestCase):
         nodes = 'move_base_abstract_ros.nodes.'
         arguments = {'map_server': [os.path.join(LAUNCH, '..', 'maps', 'farm_yard.yaml')], 'fleet': [],
                      'time_master': [], 'task_server': ['_robots:=[a]'], 'move_base': [], 'task_source': [],
-                     'dispatcher': [], nodes + 'orders_run.mapf_drive_node': [],
+                     'dispatcher': [], 'velocity_robot': [], nodes + 'orders_run.mapf_drive_node': [],
                      'soil_mapping.ros.soil_coordinator': [], nodes + 'property_monitor_node': [],
                      nodes + 'radio_markers_node': []}
         self.assertEqual(ours | set(arguments), set(arguments))

@@ -7,9 +7,10 @@ import subprocess
 import unittest
 
 import rosbag
-from in_lockstep import GUARD, InLockstep, assert_same
+from in_lockstep import InLockstep, assert_same
 from own_nodes import NODES
 from scenarios import repeated
+from waiting import GUARD
 
 LAUNCH = os.path.join(NODES, 'foreign', 'system.launch')
 PREFIX = 'rosrun move_base_abstract lockstep'

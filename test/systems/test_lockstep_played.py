@@ -12,7 +12,7 @@ from move_base_abstract_ros.loopback import find_executable
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLLOWER = os.path.join(HERE, 'unmodified', 'feedback_follower.py')
-BUSYBODY = os.path.join(HERE, 'unmodified', 'busybody.py')
+BUSYBODY = os.path.join(HERE, 'busybody.py')
 RATES = {'feedback_freq': 20.0, 'pose_update_freq': 10.0, 'tf_heartbeat_freq': 10.0, 'max_speed': 1.0,
          'acceleration': 0.5}
 #: periodic output that follows from more than the instant and the motion, some of it of robots whose poses are wrong

@@ -115,8 +115,8 @@ class Busybody(object):
 
     def work(self):
         self.begin()
-        deeds = [self.put, self.tell_again, self.set_rate, self.set_rate, self.set_speed, self.add, self.remove, self.reset,
-                 self.cancel, self.cancel] + 5 * [self.send] + 4 * [self.hear_all] + 10 * [self.hear_robot]
+        deeds = [self.put, self.tell_again, self.set_rate, self.set_rate, self.set_speed, self.add, self.remove,
+                 self.reset, self.cancel, self.cancel] + 5 * [self.send] + 4 * [self.hear_all] + 10 * [self.hear_robot]
         self.chance.shuffle(deeds)
         for deed in deeds:
             pause = self.chance.choice([0.05 * self.chance.randrange(12), self.chance.uniform(0.0, 0.7)])
