@@ -91,6 +91,19 @@ def test_fewer_are_made_in_vain_if_mail_comes_in_between():
     assert source.told()[1] == 1.09
 
 
+def test_series_of_which_few_messages_come_to_pass_are_not_played_for_a_while():
+    source = Source()
+    source.sends(Publisher(), 10, 0.1, slots=())
+    for number in range(4):  # something comes after two messages
+        assert len(source.told()[0]) == 1
+        source.player.happened(round((0.2 + 0.2 * number) * SECOND))
+    for _turn in range(16):
+        assert source.told() == ([], 0.9)
+    assert len(source.told()[0]) == 1
+    source.player.happened(round(1.1 * SECOND))  # this time three
+    assert len(source.told()[0]) == 1
+
+
 @pytest.mark.parametrize('is_shifted', [False, True])
 def test_a_shifted_pose_is_told_one_by_one_while_its_robot_drives(is_shifted):
     source, robot = Source(), SimpleNamespace(leg=None)

@@ -31,6 +31,9 @@ _SLOT = struct.Struct('<BI')
 _LONGEST_NS = 2 * NS_PER_S
 # How many messages of a series are told one by one; those that do not come to pass were made in vain.
 _MOST, _FEWEST = 64, 4
+# To tell a series costs about as much as to send three messages. If fewer come to pass _SHORT times in turn, as with
+# commands at a rate, nothing is played for _PAUSE turns.
+_WORTH, _SHORT, _PAUSE = 3, 4, 16
 
 
 class NotPlayable(Exception):
@@ -132,13 +135,19 @@ class Player:
     def __init__(self, source: LockstepClock, plays: bool = True) -> None:
         self._source = source
         self._played: List[Stretch] = []
-        self._most = _MOST if plays else 0
+        self._plays = plays
+        self._most = _MOST
+        self._short = 0  # stretches in turn that were not worth it
+        self._pause = 0  # turns in which nothing is played
         self._moving: Dict[int, Any] = {}  # {index of a robot: its motion that was told last}
 
     def tell(self, now_ns: int, before_ns: int, items: List[Any]) -> int:
         """Append what is played before ``before_ns`` [ns] to the report's ``items``; return when it ends [ns]."""
         with self._source.lock:
             heard, before_ns = self._source.simulation.queue.heard_output(before_ns)
+        if self._pause or not self._plays:
+            self._pause -= self._plays
+            return min([before_ns, *[due_ns for due_ns, _ in heard]])
         _recording.numbers = {}
         due = [(due_ns, place, 0) for place, (due_ns, _) in enumerate(heard)]
         heapify(due)
@@ -193,16 +202,19 @@ class Player:
             return
         played, self._played = self._played, []
         last: Dict[Series, int] = {}
-        depth, is_cut = 0, False
+        depth, is_cut, messages = 0, False, 0
         for one in played:
             if one.first_ns <= until_ns:
                 count = (until_ns - one.first_ns) // one.period_ns
+                messages += count + 1
                 for play in one.plays:
                     play.impl.seq += count + 1
                 last[one.series] = one.first_ns + count * one.period_ns
                 depth = max(depth, one.depth)
             else:
                 is_cut = is_cut or one.period_ns == wire.NEVER
+        self._short = self._short + 1 if messages < _WORTH * len({one.place for one in played}) else 0
+        self._pause = _PAUSE if self._short >= _SHORT else 0
         self._most = max(depth + 2, _FEWEST) if is_cut else min(2 * self._most, _MOST)
         self._source.played(until_ns, sorted(((due_ns, series) for series, due_ns in last.items()),
                                              key=lambda one: one[0]))
