@@ -148,7 +148,7 @@ def test_arcs_of_a_robot_that_is_driven_by_velocities_are_drawn_round_and_it_has
     assert not lines['way'] and len(arc) >= 10
     assert all(abs(math.hypot(*point) - 10.0) < 0.8 for point in arc)
     assert lines['trail'][-1] == [round(there[0] + 8.0 * math.cos(turned)), round(there[1] + 8.0 * math.sin(turned))]
-    assert 'drives with 1 m/s, turns with 0 rad/s' in browser.run('return document.body.textContent')
+    assert 'drives with 1.00 m/s, turns with 0.00 rad/s' in browser.run('return document.body.textContent')
 
 
 def test_links_of_the_radio_are_drawn_while_they_are_up(browser, pages):

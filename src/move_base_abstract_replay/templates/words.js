@@ -37,7 +37,7 @@ function messageText(kind, values) {
 const EVENT_TEXTS = {
   goal: (v) => `gets the goal ${v[0]}`,
   departed: (v) => `departs for ${place(...v)}`,
-  driven: (v) => `drives with ${v[3]} m/s${v[4] ? `, ${v[4]} m/s to the left` : ''}, turns with ${v[5]} rad/s`,
+  driven: (v) => `drives with ${metres(v[3])} m/s${v[4] ? `, ${metres(v[4])} m/s to the left` : ''}, turns with ${metres(v[5])} rad/s`,
   stalled: (v) => `stalls at ${v[0]}`,
   pieces: (v) => `drives in ${v[0]} pieces`,
   stands: (v) => `stands at ${place(...v)}`,
