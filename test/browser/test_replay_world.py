@@ -46,6 +46,7 @@ def page(tmp_path_factory):
 
 def test_names_of_fifty_robots_do_not_cover_one_another_and_fewer_are_there_from_far_away(browser, page):
     browser.open('{}?style=print'.format(page))
+    browser.frame()  # before it the camera has no place to zoom
     counts = []
     for factor in (1.0, 0.4):
         browser.run('window.replay.camera.zoom(arguments[0], 30, 37); window.replay.seek(30e9)', factor)

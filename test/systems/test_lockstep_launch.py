@@ -33,7 +33,8 @@ KINDS = """<launch>
   <node pkg="move_base_abstract" type="shim_listener" name="again" args="/a /c" respawn="true"/>
   <node pkg="move_base_abstract" type="shim_listener" name="elsewhere" args="/a /d" machine="robot"/>
   <node pkg="move_base_abstract" type="shim_listener" name="near" args="/a /f" machine="desk"/>
-  <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e" launch-prefix="gdb -ex run --args"/>
+  <node pkg="move_base_abstract" type="shim_listener" name="watched" args="/a /e"
+        launch-prefix="$(find study_of_others)/gdb -ex run --args"/>
   <node pkg="study_of_others" type="options.py" name="no_node"/>
   <node pkg="study_of_others" type="both" name="both"/>
   <node pkg="study_of_others" type="wrapped" name="wrapped"/><node pkg="study_of_others" type="binary" name="binary"/>
@@ -54,8 +55,10 @@ SHELL = """<launch>
   <node pkg="study_of_others" type="child" name="child" ns="robot"/>
 </launch>
 """
-# Shell scripts as people write them: one finds its Python, one sets things up, one waits for its child.
+# Shell scripts as people write them: one finds its Python, one sets things up, one waits for its child. The machine may
+# have no gdb.
 SCRIPTS = {
+    'gdb': '#!/bin/sh\n',
     'options.py': """#!/usr/bin/env python3
 import argparse
 parser = argparse.ArgumentParser(description='is no node')
@@ -224,7 +227,7 @@ class LaunchTest(OwnPackage, unittest.TestCase):
         self.assertEqual(first.partition(': ')[2], '12 of 19 nodes take part: /one/relay, /one/move_base, /one/fleet, '
                          '/flags, /asker, /echo, /answerer_anonymous_1, /recorder, /near, /both, /wrapped, /records')
         for name, why in (('/player', 'only plays'), ('/starts_recorder', 'it is a shell script'),
-                          ('/again', 'it is respawned'), ('/watched', "under 'gdb'"),
+                          ('/again', 'it is respawned'), ('/watched', "/gdb'"),
                           ('/elsewhere', "machine 'robot'"), ('/no_node', 'imports import rospy'),
                           ('/binary', 'it is a shell script')):
             line, = [line for line in others if line.startswith('lockstep_launch: {} looks on'.format(name))]
