@@ -95,8 +95,8 @@ class DrivenBackend(BuiltinBackend):
             found.append(self._below.transform(_ORIGIN, stamp_ns))
         return found
 
-    def _is_shifted(self, _odometry_frame: Optional[InFrame] = None) -> bool:
-        return self._odom_in_map is not None and self._track.drifts
+    def _slots(self, slots: Any, odometry_frame: Optional[InFrame] = None) -> Any:
+        return slots if odometry_frame is None or not self._track.drifts else (*slots, packing.SHIFTED)
 
     def _pack_odom(self, poses: Any, velocities: Any, stamp_ns: int) -> Pack:
         return Template(lambda seq: self._in_odom.odometry(seq, poses[1], velocities[1], stamp_ns),
