@@ -90,6 +90,28 @@ def test_a_robot_drives_along_the_wall_that_it_stands_at():
     assert fleet.robot('a').pose.y == pytest.approx(corner, abs=1e-4)
 
 
+@pytest.mark.parametrize('by', ['wall', 'b'])
+@pytest.mark.parametrize('speed', [1e-9, 4e-9, 1e-8])
+def test_a_robot_that_drives_along_and_by_a_hair_nearer_does_not_come_into_what_it_stands_at(by, speed):
+    long = [[0.3, 4.0], [-0.3, 4.0], [-0.3, -4.0], [0.3, -4.0]]
+    fleet = fleet_of(('a', 5.0, 5.0, 0.0), *([('b', 8.0, 5.0, 0.0)] if by == 'b' else []), holonomic=True,
+                     occupancy=ROOM if by == 'wall' else None, footprint=BOX if by == 'wall' else long)
+    robot = fleet.robot('a')
+    robot.drive(0.5)
+    fleet.run(20 * S)
+    x = robot.pose.x
+    robot.drive(speed, lateral=0.004)
+    fleet.run_for(900.0)
+    assert x < robot.pose.x < x + 0.6 * REACH
+    robot.drive(0.5)
+    fleet.run_for(5.0)
+    assert robot.pose.x < x + 0.6 * REACH
+    assert {row[:2] for row in stalls(fleet)} == {('a', by)}
+    robot.drive(-0.5)
+    fleet.run_for(1.0)
+    assert robot.pose.x == pytest.approx(x - 0.5, abs=REACH)
+
+
 def test_a_limited_acceleration_and_a_watchdog_change_nothing_about_where_it_stands():
     fleet = fleet_of(('a', 9.0, 5.0, 0.0), cmd_vel_timeout=0.5, linear={'x': {
         'has_acceleration_limits': True, 'max_acceleration': 1.0}})

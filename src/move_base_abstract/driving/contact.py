@@ -2,8 +2,9 @@
 
 Two bodies touch when their gap is at most REACH. Bodies that are as near already, because they stand at one another
 since they touched, touch when they come nearer by NEARER; then they stand where they have not come nearer. So one may
-drive along the other, whatever rounding says, and no number of touches brings them nearer. Bodies that overlap, or
-whose gap is at most OVERLAP, do not touch in this motion: they may always come apart.
+drive along the other, whatever rounding says, and no number of touches brings them nearer. A way that leads along and
+by a hair nearer may do so, look by look, until the gap is half of REACH: from there on they touch when they come nearer
+at all. Bodies that overlap, or whose gap is at most OVERLAP, do not touch in this motion: they may always come apart.
 
 The instant is found by conservative advancement (Mirtich: Impulse-based Dynamic Simulation, Berkeley 1996). Between two
 convex bodies lies a plane. No corner crosses it before it has covered its way to it, at its present speed across the
@@ -124,7 +125,9 @@ def limit_of(gap: float) -> Optional[Limit]:
     """Return the :class:`Limit` of a motion that begins at ``gap`` [m], None: the bodies do not touch in it."""
     if gap <= OVERLAP:
         return None
-    return FREE if gap > REACH + NEARER else Limit(gap - NEARER, min(REACH, gap - _ROUNDING))
+    if gap > REACH + NEARER:
+        return FREE
+    return Limit(gap - (NEARER if gap > 0.5 * REACH else _ROUNDING), min(REACH, gap - _ROUNDING))
 
 
 def first_touch(one: Course, other: Course, limit: Limit, begin_ns: int, end_ns: int) -> Optional[int]:
