@@ -46,4 +46,26 @@ def test_a_script_that_does_not_end_is_ended_and_what_it_has_started_counts(tmp_
     path = tmp_path / 'x'
     path.write_text('#!/bin/sh\nrosrun a b &\nwait\nwhile :; do sleep 1; done\n')
     path.chmod(0o755)
-    assert unrolled.nodes_of(str(path), [], {}, lambda *_: None) == [unrolled.Unrolled('/b', 'a/b', '')]
+    assert unrolled.nodes_of(str(path), [], {}, lambda *_: None) == (
+        [unrolled.Unrolled('/b', 'a/b', '')], '; while they were looked for, it could not do this: end within 0.5 s')
+
+
+def test_a_script_changes_nothing_and_what_it_is_refused_is_told(tmp_path):
+    kept = tmp_path / 'kept'
+    kept.write_text('kept')
+    path = tmp_path / 'x'
+    path.write_text("""#!/bin/bash
+cd {0}
+rm kept; /bin/rm {0}/kept; echo > {0}/kept; echo >> {0}/kept; : >| {0}/kept
+history -w {0}/kept; kill -TERM $PPID; command kill -TERM $PPID
+PATH=/bin:/usr/bin
+python3 -c "open('{0}/kept', 'w')"; env rm {0}/kept; exec rm {0}/kept
+(enable kill; kill -TERM $PPID)
+sleep 100; rosrun a b >> {0}/kept 2>&1 &
+rosrun a c
+""".format(tmp_path))
+    path.chmod(0o644)
+    nodes, refused = unrolled.nodes_of(str(path), [], {}, lambda *_: None)
+    assert nodes == [unrolled.Unrolled('/b', 'a/b', ''), unrolled.Unrolled('/c', 'a/c', '')]
+    assert ': line 3: rm; line 3: /bin/rm; ' in refused and refused.endswith('; and more')
+    assert kept.read_text() == 'kept' and sorted(one.name for one in tmp_path.iterdir()) == ['kept', 'x']

@@ -88,7 +88,7 @@ class _Adoption:
         self._clocks(kept)
         self._fatal(kept)
         asked = self.options
-        options = replace(
+        options = velocities.gathered(self, replace(
             asked, adopt=False, tolerant=True, leave_out=(*asked.leave_out, *self.left_out),
             replace={**asked.replace, **replaced}, add={**asked.add, **self.added},
             node_args={**asked.node_args, **self.arguments}, param={**self.param, **asked.param},
@@ -96,8 +96,7 @@ class _Adoption:
             python2=(*asked.python2, *(name for name, why in self.older.items() if why and name not in asked.python2)),
             no_respawn=asked.no_respawn or any(
                 node.respawn and (_kind_of(node).word == kinds.ELSE or self._stays_as_it_is(node, _kind_of(node)))
-                for node in kept))
-        options = velocities.gathered(self, options)
+                for node in kept)))
         return Adopted(options, *map(tuple, (self.done, self.remarks, self.problems, what_counts.unread(self))))
 
     def is_out(self, node):
@@ -210,13 +209,14 @@ class _Adoption:
 
     def _unroll(self, node, path):
         """Add the nodes that a shell script starts in the background, in the place of the script."""
-        found = unrolled.nodes_of(path, poses.words_of(node.args), self.values(),
-                                  lambda package, kind: roles.program_of(Node(package, kind)))
-        self._leave(node, 'it is a shell script that starts {} nodes, which are added'.format(len(found)))
-        for one in found:
-            self.added[one.name] = '{} {}'.format(one.program, one.arguments).rstrip()
-            self.done.append('{} is added: {}'.format(one.name, self.added[one.name]))
-            self._is_older(Node(*one.program.split('/')))
+        found, refused = unrolled.nodes_of(path, poses.words_of(node.args), self.values(),
+                                           lambda package, kind: roles.program_of(Node(package, kind)))
+        self._leave(node, 'it is a shell script that starts {} nodes, which are added{}'.format(len(found), refused),
+                    is_loss=bool(refused))
+        for name, program, arguments in found:
+            self.added[name] = '{} {}'.format(program, arguments).rstrip()
+            self.done.append('{} is added: {}'.format(name, self.added[name]))
+            self._is_older(Node(*program.split('/')))
 
     def _is_older(self, node):
         """Return whether a node takes part and its package is written for Python 2: then it is translated."""
