@@ -87,8 +87,19 @@ def test_a_teleport_changes_nothing_and_a_reset_begins_anew():
     assert math.hypot(pose.x - before.x, pose.y - before.y) == pytest.approx(0.5 * 1.02)
     odometry.reset(2 * S)
     assert odometry.pose_at(2 * S) == robot.pose_at(2 * S)
-    robot.restart(2 * S, 0)  # the clock starts anew
-    assert odometry.pose_at(0) == robot.pose_at(0)
+
+
+@pytest.mark.parametrize('anew_ns', [0, 5 * S])  # before the motion began, and while it was under way
+def test_when_the_clock_starts_anew_it_begins_at_the_true_pose(anew_ns):
+    fleet = fleet_of()
+    robot = fleet.robot('r').navigator.robot
+    odometry = Odometry(robot, Pose2D(), 0, SHARES)
+    fleet.run(1 * S)
+    fleet.robot('r').drive(0.5)
+    fleet.run(10 * S)
+    odometry.forget()
+    robot.restart(10 * S, anew_ns)
+    assert odometry.pose_at(anew_ns) == robot.pose_at(anew_ns) != Pose2D(1.0, 2.0, 0.5)
 
 
 def test_the_shares_are_drawn_by_the_seed_and_the_name_within_half_of_the_range():

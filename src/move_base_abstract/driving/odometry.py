@@ -25,8 +25,7 @@ class Odometry:
     """The odometry of ``robot`` (Robot), from ``now_ns`` [ns] on, with each component of the velocity times ``shares``.
 
     ``origin`` (Pose2D, global frame) is where the odom frame lies. Without an error the odometry is the robot's pose
-    seen from there, whatever happens. With one, a teleport does not change it. When a clock starts anew, and at a
-    :meth:`reset`, it begins anew without an error.
+    seen from there, whatever happens. With one, a teleport does not change it.
     """
 
     def __init__(self, robot: Robot, origin: Pose2D, now_ns: int, shares: Twist = _EXACT) -> None:
@@ -65,16 +64,18 @@ class Odometry:
         return self._measured(*self._robot.velocity_at(now_ns))
 
     def reset(self, now_ns: int) -> None:
-        """Begin anew at ``now_ns`` [ns]: where the robot is, without an error."""
-        self._past.clear()
+        """Begin anew at ``now_ns`` [ns]: at the true pose, from which it goes wrong by the same shares."""
+        self.forget()
         self._moved(now_ns)
 
+    def forget(self) -> None:
+        """Begin anew when the robot is next put somewhere, as when its clock starts anew; ask nothing before."""
+        self._past.clear()
+
     def _moved(self, now_ns: int) -> None:
-        """Go on as the robot does from ``now_ns`` [ns] on; an error begins anew when time has."""
-        goes_on = self.drifts and self._past and now_ns >= self._past[-1][0]
+        """Go on as the robot does from ``now_ns`` [ns] on."""
+        goes_on = self.drifts and self._past
         pose = self.pose_at(now_ns) if goes_on else self._into.compose(self._robot.pose_at(now_ns))
-        if self._past and now_ns < self._past[-1][0]:
-            self._past.clear()
         leg, motion = self._robot.leg, None
         if leg is not None:
             steps = [(max(piece.begin_ns, now_ns), self._measured(*velocity_of(piece, piece.begin_ns)))

@@ -99,6 +99,7 @@ class VelocityServer(RobotServer):
             self.driver.close()
 
     def _restart(self, before_ns: int, now_ns: int) -> None:
+        self._odometry.forget()
         super()._restart(before_ns, now_ns)
         self._publisher.start(now_ns)
 
