@@ -90,20 +90,20 @@ def read_drive(values: Mapping[str, Any], where: str) -> Optional[DriveSettings]
 
 def _limits(values: Mapping[str, Any], group: str, axis: str, where: str) -> Limits:
     axes = {} if values[group] is None else values[group]
-    place = place_of(where, group)
+    place = f'{where}/{group}'
     if not isinstance(axes, dict):
-        raise error(place, axes, 'a mapping with ' + ', '.join(_AXES[group]))
-    check_keys(axes, _AXES[group], place, '')
+        raise error(place_of(where, group), axes, 'a mapping with ' + ', '.join(_AXES[group]))
+    check_keys(axes, _AXES[group], place_of(where, group), '')
     place = f'{place}/{axis}'
     raw = read_mapping(axes.get(axis, {}), _AXIS, place)
     if raw['has_jerk_limits']:
-        raise error(f'{place}/has_jerk_limits', True, 'false: the jerk is not limited here')
+        raise error(place_of(place, 'has_jerk_limits'), True, 'false: the jerk is not limited here')
     found = []
     for what in ('velocity', 'acceleration'):
         least, most, has_limits = (raw[name.format(what)] for name in ('min_{}', 'max_{}', 'has_{}_limits'))
         if not has_limits:
             least, most = -math.inf, math.inf
         elif most is None:
-            raise error(f'{place}/max_{what}', None, 'a number', f' with has_{what}_limits: true')
+            raise error(place_of(place, f'max_{what}'), None, 'a number', f' with has_{what}_limits: true')
         found += [-most if least is None else least, most]
     return Limits(*found)
