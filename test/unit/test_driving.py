@@ -287,7 +287,7 @@ def test_the_end_of_the_plane_stalls():
     ({'linear': {'z': {}}}, 'did you mean|allowed: x, y'),
     ({'linear': {'x': {'has_jerk_limits': True}}}, 'the jerk is not limited here'),
     ({'angular': 3.0}, 'a mapping with z'),
-    ({'angular': {'z': {'max_velocity': 'fast'}}}, r'^parameter scenario: robots\[0\]/angular/z/max_velocity: got .fast.'),
+    ({'angular': {'z': {'max_velocity': 'fast'}}}, '^parameter scenario: robots.0./angular/z/max_velocity: got .fast.'),
     ({'driven_by': 'wheels'}, 'goals')])
 def test_parameters_that_are_not_allowed_are_refused_in_words(parameters, words):
     with pytest.raises(ConfigurationError, match=words):
