@@ -112,6 +112,17 @@ def test_a_robot_that_drives_along_and_by_a_hair_nearer_does_not_come_into_what_
     assert robot.pose.x == pytest.approx(x - 0.5, abs=REACH)
 
 
+@pytest.mark.parametrize('turning', [5e-324, 1e-17, 1e-12])
+def test_a_robot_that_leaves_what_it_stands_at_may_turn_by_as_little_as_rounding_leaves(turning):
+    fleet = fleet_of(('a', 9.0, 5.0, 0.0), ('b', 6.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(2 * S)
+    fleet.robot('a').drive(-0.5, turning)
+    fleet.run(20 * S)
+    assert [row[:2] for row in stalls(fleet)] == [('a', 'wall'), ('a', 'b')]
+    assert fleet.robot('a').pose.x == pytest.approx(6.6, abs=2.0 * REACH)
+
+
 def test_a_limited_acceleration_and_a_watchdog_change_nothing_about_where_it_stands():
     fleet = fleet_of(('a', 9.0, 5.0, 0.0), cmd_vel_timeout=0.5, linear={'x': {
         'has_acceleration_limits': True, 'max_acceleration': 1.0}})

@@ -170,8 +170,9 @@ def _clear_for(room: float, ones: Sequence[_Corner], others: Sequence[_Corner]) 
     for way, speed, acceleration in ones:
         for their_way, their_speed, their_acceleration in others:
             s, a, d = speed + their_speed, acceleration + their_acceleration, room + way + their_way
-            if s > 0.0 or a > 0.0:
-                least = min(least, 2.0 * d / (s + math.sqrt(s * s + 2.0 * a * d)))
+            if s > 0.0 or a > 0.0:  # the root of a t^2 / 2 + s t = d, without a difference of two like numbers
+                root = math.sqrt(s * s + 2.0 * a * d)
+                least = min(least, 2.0 * d / (s + root) if s > 0.0 else (root - s) / a)
     return least
 
 
