@@ -46,7 +46,45 @@ def test_a_file_that_asks_for_true_division_has_it():
     assert run(b'from __future__ import division\nfound = 7 / 2\n')['found'] == 3.5
 
 
-@pytest.mark.parametrize('source', [b'print "a', b'a b\n', b'def f(:\n'])
+def test_a_division_in_place_computes_its_target_once_and_changes_what_it_divides():
+    names = run(b"""
+import numpy
+class Old(object):
+    def __init__(self): self.by = []
+    def __idiv__(self, other):
+        self.by.append(other)
+        return self
+asked, table = [], [9, 8.0]
+def index():
+    asked.append(1)
+    return 0
+table[index()] /= 2
+floats = numpy.array([7.0, 8.0])
+same = floats
+floats /= 2
+whole = numpy.array([7])
+whole /= 2
+old = Old()
+old.by.append(numpy.array([7, -7]) / 2)
+old /= 3
+found = [table, len(asked), list(same), list(whole), [list(old.by[0]), old.by[1]], numpy.int64(7) / 2]
+""")
+    assert names['found'] == [[4, 8.0], 1, [3.5, 4.0], [3], [[3, -4], 3], 3]
+
+
+@pytest.mark.parametrize(('source', 'expected'), [
+    (b'import sys\nprint("x", end="", file=sys.stderr)\nfound = 7 / 2\n', 3.5), (b'found = 7 / 2\nf"{found}"\n', 3.5),
+    (b'def f(x: int): return x / 2\nfound = f(7)\n', 3.5), (b'def f(*, x): return x / 2\nfound = f(x=7)\n', 3.5),
+    (b'def f(x): return x / 2\nfound = f(7)\n', 3)])
+def test_a_module_that_only_python_3_reads_stays_as_it_is(source, expected):
+    assert run(source)['found'] == expected
+
+
+def test_tabs_are_eight_columns_as_in_python_2():
+    assert run(b'if 1:\n        found = 1\n\tfound += 1\n')['found'] == 2
+
+
+@pytest.mark.parametrize('source', [b'\n\n\nx = "\xe9"\n', b'print "a', b'a b\n', b'def f(:\n'])
 def test_what_is_neither_is_an_error(source):
     with pytest.raises(SyntaxError, match='neither Python 3 nor Python 2'):
         older.tree_of(source, 'x.py')
@@ -66,7 +104,8 @@ def test_only_files_of_the_named_folders_are_older(tmp_path, monkeypatch):
     ('nodes/c', '#!/usr/bin/env python\nprint 1\n', 'nodes/c, line 2'), ('nodes/c', 'print 1\n', ''),
     ('scripts/a.py', '#!/usr/bin/env python3\nprint 1\n', ''), ('build/a.py', 'print 1\n', ''),
     ('a.py', 'try:\n    import Queue\nexcept ImportError:\n    import queue\n', ''), ('a.py', 'print(1)\n', ''),
-    ('a.py', 'neither nor\n', '')])
+    ('a.py', '"""Text\nfrom commands of others.\n"""\n', ''), ('a.py', 'import os, Queue\n', 'a.py, line 1'),
+    ('commands.py', 'import commands\n', ''), ('a.py', 'from .commands import x\n', ''), ('a.py', 'neither nor\n', '')])
 def test_what_only_python_2_reads_says_that_a_package_is_older(tmp_path, name, text, expected):
     path = tmp_path / name
     path.parent.mkdir(parents=True, exist_ok=True)

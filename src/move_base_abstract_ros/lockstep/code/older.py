@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import ast
 import builtins
-import copy
 import io
+import numbers
 import os
 import re
 import tokenize
@@ -18,14 +18,17 @@ from typing import Any, Tuple
 
 #: the environment variable that names the folders of such packages
 VARIABLE = 'MOVE_BASE_ABSTRACT_PYTHON_2'
-_DIVIDED = '__divided_as_in_python_2__'
+_DIVIDED, _DIVISOR = '__divided_as_in_python_2__', '__divisor_as_in_python_2__'
+_WHOLE = ('i', 'u', 'b')  # kinds of numpy
+_INDENTED = re.compile(r'^[ \t]+', re.MULTILINE)
+#: what Python 2 does not read, among what both parsers read
+_NEWER = (ast.JoinedStr, ast.AnnAssign, ast.AsyncFunctionDef, ast.Nonlocal, ast.YieldFrom, ast.NamedExpr)
 _FIXES = (
     'basestring dict except exec filter funcattrs getcwdu has_key imports imports2 input intern itertools long map '
     'itertools_imports metaclass methodattrs ne next nonzero numliterals operator paren print raise raw_input reduce '
     'renames repr standarderror sys_exc throw tuple_params types unicode urllib xrange zip')
 #: modules that only Python 2 has, imported without a way out
-_MODULES = re.compile(rb'^(?:import|from)[ \t]+(?:Queue|urllib2|ConfigParser|cPickle|StringIO|commands|Tkinter)\b',
-                      re.MULTILINE)
+_MODULES = ('Queue', 'urllib2', 'ConfigParser', 'cPickle', 'StringIO', 'commands', 'Tkinter')
 _MOST_FILES = 300
 _LARGEST = 1 << 20  # bytes
 
@@ -55,8 +58,9 @@ def translated(source: bytes) -> str:
     :raises SyntaxError: if it is no Python 2, either, or if there is no lib2to3.
     """
     encoding, _lines = tokenize.detect_encoding(io.BytesIO(source).readline)
-    text = source.decode(encoding).replace('\r\n', '\n')
     try:
+        text = source.decode(encoding).replace('\r\n', '\n')
+        text = _INDENTED.sub(lambda found: found.group().expandtabs(8), text)  # as Python 2 counts a tab
         return str(_tool().refactor_string(text if text.endswith('\n') else text + '\n', 'source'))
     except ImportError:
         raise SyntaxError('it is written for Python 2, and there is no lib2to3 here') from None
@@ -66,10 +70,23 @@ def translated(source: bytes) -> str:
 
 def tree_of(source: bytes, path: str) -> Any:
     """Return the syntax tree of a file that is written for Python 2. :raises SyntaxError: as translated()."""
-    tree = ast.parse(translated(source), path)
+    try:
+        tree = ast.parse(source, path)
+        if any(isinstance(node, _NEWER) or getattr(node, 'kwonlyargs', None) or getattr(node, 'annotation', None) or
+               getattr(node, 'returns', None) for node in ast.walk(tree)):
+            return tree
+    except SyntaxError:
+        tree = None
+    try:
+        tree = ast.parse(translated(source), path)
+    except SyntaxError:
+        if tree is None:
+            raise
+        return tree  # such as print(x, file=y), which is no Python 2
     has_division = any(isinstance(node, ast.ImportFrom) and node.module == '__future__' and any(
         name.name == 'division' for name in node.names) for node in tree.body)
     setattr(builtins, _DIVIDED, divided)
+    setattr(builtins, _DIVISOR, _Divisor)
     return tree if has_division else ast.fix_missing_locations(_Division().visit(tree))
 
 
@@ -79,30 +96,57 @@ class _Division(ast.NodeTransformer):
     def visit_BinOp(self, node: ast.BinOp) -> Any:  # noqa: N802 - ast's name
         """Replace ``a / b``."""
         self.generic_visit(node)
-        return _call(node, node.left, node.right) if isinstance(node.op, ast.Div) else node
+        return _call(node, _DIVIDED, node.left, node.right) if isinstance(node.op, ast.Div) else node
 
     def visit_AugAssign(self, node: ast.AugAssign) -> Any:  # noqa: N802 - ast's name
-        """Replace ``a /= b``."""
+        """Make ``a /= b`` an operation for which a _Divisor is asked, so that ``a`` is computed once."""
         self.generic_visit(node)
-        if not isinstance(node.op, ast.Div):
-            return node
-        value: Any = copy.deepcopy(node.target)
-        value.ctx = ast.Load()
-        return ast.copy_location(ast.Assign([node.target], _call(node, value, node.value)), node)
+        if isinstance(node.op, ast.Div):
+            node.op, node.value = ast.RShift(), _call(node.value, _DIVISOR, node.value)
+        return node
 
 
-def _call(node: Any, left: Any, right: Any) -> Any:
-    return ast.copy_location(ast.Call(ast.Name(_DIVIDED, ast.Load()), [left, right], []), node)
+def _call(node: Any, name: str, *arguments: Any) -> Any:
+    return ast.copy_location(ast.Call(ast.Name(name, ast.Load()), [*arguments], []), node)
 
 
 def divided(left: Any, right: Any) -> Any:
     """Return what Python 2 has for ``left / right``."""
-    if isinstance(left, int) and isinstance(right, int):
+    if _is_whole(left) and _is_whole(right):
         return left // right
     for one, other, name, new in ((left, right, '__div__', '__truediv__'), (right, left, '__rdiv__', '__rtruediv__')):
         if hasattr(type(one), name) and not hasattr(type(one), new):
             return getattr(one, name)(other)
     return left / right
+
+
+def _is_whole(value: Any) -> bool:
+    """Return whether a value is a whole number, or an array of numpy of such."""
+    return isinstance(value, numbers.Integral) or getattr(getattr(value, 'dtype', None), 'kind', '') in _WHOLE
+
+
+class _Divisor:
+    """The ``right`` of ``left /= right``, which stands there as ``left >>= _Divisor(right)``."""
+
+    def __init__(self, right: Any) -> None:
+        self._right = right
+
+    def __rrshift__(self, left: Any) -> Any:
+        """Return what Python 2 has for ``left`` afterwards: an array is divided in place."""
+        right = self._right
+        if _is_whole(left) and _is_whole(right):
+            left //= right
+        elif hasattr(type(left), '__idiv__') and not hasattr(type(left), '__itruediv__'):
+            left = left.__idiv__(right)
+        elif hasattr(type(left), '__itruediv__'):
+            left /= right
+        else:
+            left = divided(left, right)
+        return left
+
+    def __array_ufunc__(self, _function: Any, _method: str, left: Any, *_others: Any, **_named: Any) -> Any:
+        """Do the same for numpy, which asks here, and not above."""
+        return self.__rrshift__(left)
 
 
 def why_older(folder: str) -> str:
@@ -131,10 +175,8 @@ def _is_python(path: str) -> bool:
 def _line_of_python_2(path: str) -> int:
     with open(path, 'rb') as stream:
         source = stream.read()
-    found = _MODULES.search(source)
-    line = source[:found.start()].count(b'\n') + 1 if found else 0
     try:
-        ast.parse(source, path)
+        line = _line_of_old_module(ast.parse(source, path), os.path.dirname(path))
     except SyntaxError as error:
         line = error.lineno or 1
     except ValueError:
@@ -143,3 +185,15 @@ def _line_of_python_2(path: str) -> int:
         return line and line * bool(ast.parse(translated(source), path))
     except (SyntaxError, ValueError):
         return 0
+
+
+def _line_of_old_module(tree: ast.Module, folder: str) -> int:
+    """Return the line that imports one of _MODULES, or 0. A module of that name in the folder is the program's own."""
+    for node in tree.body:
+        names = [one.name for one in node.names] if isinstance(node, ast.Import) else [
+            node.module or ''] if isinstance(node, ast.ImportFrom) and not node.level else []
+        for name in names:
+            own = os.path.join(folder, name)
+            if name in _MODULES and not os.path.exists(own) and not os.path.exists(own + '.py'):
+                return node.lineno
+    return 0
