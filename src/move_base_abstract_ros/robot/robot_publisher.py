@@ -1,14 +1,14 @@
 """The topics of one robot besides its actions: its pose, its current goal, and that its wheels stop."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
 from move_base_abstract.engine.event_queue import PARTICIPANTS
-from move_base_abstract.goals.events import Aimed, Departed, Driven, Lapse, Recovery, Stands, WheelsStopped
+from move_base_abstract.goals.events import Aimed, Departed, Lapse, Recovery, Stands, WheelsStopped
 
 from ..lockstep import sender  # bound once: the package would look it up at each use
 from ..messages import conversions
@@ -58,9 +58,9 @@ class RobotPublisher:
         self._rates = host.rates
         self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self._rest = self._series_at_rest(settings, host)
-        stream.subscribe('shown', {**dict.fromkeys((Departed, Driven), self._departed), Aimed: self._aimed,
-                                   Stands: lambda event: self._stand(event.time_ns), Lapse: self._lapsed,
-                                   WheelsStopped: self._wheels_stopped, Recovery: self._recovers})
+        stream.subscribe('shown', {Departed: self._departed, Stands: lambda event: self._stand(event.time_ns),
+                                   Aimed: self._aimed, WheelsStopped: self._wheels_stopped, Recovery: self._recovers,
+                                   Lapse: self._lapsed})
         self._stand(simulation.now_ns)
 
     def _series_at_rest(self, settings: RobotSettings, host: Host) -> Optional[Series]:
@@ -78,7 +78,7 @@ class RobotPublisher:
         return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
                 self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
-    def _departed(self, event: Union[Departed, Driven]) -> None:
+    def _departed(self, event: Departed) -> None:
         if self._rest is not None:
             self._rest.stop()
         self.place(event.time_ns)
