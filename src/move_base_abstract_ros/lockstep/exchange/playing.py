@@ -146,7 +146,7 @@ class Player:
         with self._source.lock:
             heard, before_ns = self._source.simulation.queue.heard_output(before_ns)
         if self._pause or not self._plays:
-            self._pause -= self._plays
+            self._pause = max(self._pause - 1, 0)
             return min([before_ns, *[due_ns for due_ns, _ in heard]])
         _recording.numbers = {}
         due = [(due_ns, place, 0) for place, (due_ns, _) in enumerate(heard)]
