@@ -38,15 +38,8 @@ if TYPE_CHECKING:
 class MoveBaseServer(RobotServer):
     """One robot of a process's :class:`Host` that travels to goals."""
 
-    def _set_up(self, robot_index: int) -> None:
+    def _set_up(self) -> None:
         names, settings, clock, host = self._names, self._settings, self._clock, self._host
-        self._controller_frequency = settings.values['controller_frequency']
-        self._stream.subscribe('shown', {Beyond: host.warn_of_beyond})
-        if settings.original is not None:
-            self._stream.subscribe('shown', {Departed: self._compare})
-        with clock.lock:
-            clock.now_ns()
-            self._build(robot_index)
         self._teleport = Teleport(names, settings, clock, self.navigator.robot, self.navigator.travel.place,
                                   self._frames, self._prefetch_frame)
         self._localization = Localization(names, self._map, self._show, self._teleport.place) if (
@@ -66,6 +59,10 @@ class MoveBaseServer(RobotServer):
 
     def _build(self, robot_index: int) -> None:
         settings, values = self._settings, self._settings.values
+        self._controller_frequency = values['controller_frequency']
+        self._stream.subscribe('shown', {Beyond: self._host.warn_of_beyond})
+        if settings.original is not None:
+            self._stream.subscribe('shown', {Departed: self._compare})
         backend = backends.make(values['backend'], self._names, settings, self._host.timing)
         self._lookup = TfLookup(values['global_frame'], values['frame_timeout'], self._clock)
         self._map = RobotMap(self._names, settings, self._clock)

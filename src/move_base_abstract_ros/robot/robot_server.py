@@ -70,14 +70,21 @@ class RobotServer:
         write(self._stream, 'trace', host.events.record(robot_index), settings.values['log_motion'])
         self._stream.subscribe('shown', {Warned: lambda event: self.warn(event.text)})
         with lockstep.sender(robot_index):
-            self._set_up(robot_index)
+            with clock.lock:
+                clock.now_ns()
+                self._build(robot_index)
+            self._set_up()
             if rooms is not None:
                 self._work = self._make_work(rooms, robot_index)
         clock.follow_restarts(self._restart)
         host.robot_count += 1  # last, so that a robot whose settings are refused does not count
 
-    def _set_up(self, robot_index: int) -> None:
-        """Make the robot and its topics. The caller holds no lock."""
+    def _build(self, robot_index: int) -> None:
+        """Make the robot and what publishes of it. The caller holds the lock."""
+        raise NotImplementedError
+
+    def _set_up(self) -> None:
+        """Make the topics and services that tell it what to do. The caller holds no lock."""
         raise NotImplementedError
 
     def _topics(self) -> Sequence[Any]:

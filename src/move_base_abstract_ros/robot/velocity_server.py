@@ -43,11 +43,8 @@ class VelocityServer(RobotServer):
     _commands: rospy.Subscriber
     _service: rospy.Service
 
-    def _set_up(self, robot_index: int) -> None:
+    def _set_up(self) -> None:
         names, settings, clock = self._names, self._settings, self._clock
-        with clock.lock:
-            clock.now_ns()
-            self._build(robot_index)
         self._teleport = Teleport(names, settings, clock, self.navigator.robot, self.driver.teleport, self._frames,
                                   self._prefetch_frame)
         self._condition_server.serve()
