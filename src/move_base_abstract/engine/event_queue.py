@@ -316,6 +316,10 @@ class Series:
         self._schedule(first_ns)
         self._queue.count_output(self._output is not None)
 
+    def start_in_step(self, now_ns: int) -> None:
+        """Start anew at ``now_ns`` [ns], with calls at whole multiples of the period."""
+        self.start(-(-now_ns // self.period_ns) * self.period_ns)
+
     def stop(self) -> None:
         """Stop the series; stopping it twice is allowed."""
         if self._asleep_until_ns is not None:

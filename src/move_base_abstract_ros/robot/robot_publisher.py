@@ -7,7 +7,6 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import RecoveryStatus
 
-from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.goals.events import Aimed, Departed, Lapse, Recovery, Stands, WheelsStopped
 
 from ..lockstep import sender  # bound once: the package would look it up at each use
@@ -156,8 +155,7 @@ class RobotPublisher:
         return self._backend.is_odometry_heard()
 
     def _is_heard(self) -> int:
-        heard = tf_hub.is_heard()
-        return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard(), self._costmaps.is_heard())
+        return tf_hub.is_heard(self._backend.is_heard, self._costmaps.is_heard)
 
     def _update(self, due_ns: int, _now_ns: int) -> int:
         if self._pose_throttle.ready():

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Callable, List, Optional, Tuple
 from sensor_msgs.msg import LaserScan
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.sensing.laser import Laser
 
 from ..lockstep import sender  # bound once: the package would look it up at each use
@@ -53,9 +52,8 @@ class ScanPublisher:
         self.restart(host.clock.simulation.now_ns)
 
     def restart(self, now_ns: int) -> None:
-        """Start to scan at ``now_ns`` [ns], at whole multiples of the period."""
-        period_ns = self._series.period_ns
-        self._series.start(-(-now_ns // period_ns) * period_ns)
+        """Start to scan at ``now_ns`` [ns]."""
+        self._series.start_in_step(now_ns)
 
     def close(self) -> None:
         """Stop scanning, and unregister the topic."""
@@ -65,8 +63,7 @@ class ScanPublisher:
         self._outlet.unregister()
 
     def _is_heard(self) -> int:
-        heard = tf_hub.is_heard()
-        return heard if heard == PARTICIPANTS else max(heard, self._outlet.is_heard())
+        return tf_hub.is_heard(self._outlet.is_heard)
 
     def _tell(self, due_ns: int, _now_ns: int) -> int:
         if self._throttle.ready():

@@ -9,7 +9,6 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.common.errors import FrameError
 from move_base_abstract.driving.odometry import Odometry, drawn_shares
-from move_base_abstract.engine.event_queue import PARTICIPANTS
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.fleet.robot_rows import tell_start
 from move_base_abstract.goals.client import NoClient
@@ -135,15 +134,15 @@ class DrivePublisher:
         self._series = simulation.series(robot.index, rate, self._tell, is_output=True,
                                          is_heard=host.timing.when_heard(self._is_heard))
         self._rates = host.rates
-        self._told = [host.rates.add('odometry', lambda: rate, lambda: backend.hearers() + tf_hub.hearers())]
+        self._told = host.rates.add('odometry', lambda: rate, lambda: backend.hearers() + tf_hub.hearers())
         self.start(simulation.now_ns)
         if self._series is None:
             self._place(simulation.now_ns)
 
     def start(self, now_ns: int) -> None:
-        """Begin to publish at ``now_ns`` [ns], at whole multiples of the period."""
+        """Begin to publish at ``now_ns`` [ns]."""
         if self._series is not None:
-            self._series.start(-(-now_ns // self._series.period_ns) * self._series.period_ns)
+            self._series.start_in_step(now_ns)
 
     def restart(self) -> None:
         """Allow stamps that are earlier than those before, because time has started anew."""
@@ -158,13 +157,11 @@ class DrivePublisher:
         """Publish nothing any more."""
         if self._series is not None:
             self._series.stop()
-        for told in self._told:
-            self._rates.remove(told)
+        self._rates.remove(self._told)
         self._backend.close()
 
     def _is_heard(self) -> int:
-        heard = tf_hub.is_heard()
-        return heard if heard == PARTICIPANTS else max(heard, self._backend.is_heard())
+        return tf_hub.is_heard(self._backend.is_heard)
 
     def _tell(self, due_ns: int, _now_ns: int) -> int:
         if self._throttle.ready():

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Optional, Sequ
 
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.engine.event_queue import NOBODY
+from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
 
 from ..lockstep.exchange import playing
 from ..messages import packing
@@ -92,9 +92,10 @@ class _Hub:
             if self._latest is not None:
                 self._latest.pop(key, None)
 
-    def is_heard(self) -> int:
-        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf."""
-        return NOBODY if self._outlet is None else self._outlet.is_heard()
+    def is_heard(self, *others: Callable[[], int]) -> int:
+        """Return NOBODY (0), ONLOOKERS or PARTICIPANTS: the kind of nodes that hear /tf, or what ``others`` name."""
+        heard = NOBODY if self._outlet is None else self._outlet.is_heard()
+        return heard if heard == PARTICIPANTS else max([heard, *[is_heard() for is_heard in others]])
 
     def hearers(self) -> List[Tuple[str, str]]:
         """Return ('/tf', name) of each node that hears /tf."""
