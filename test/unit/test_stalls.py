@@ -147,6 +147,20 @@ def test_two_that_drive_at_one_another_stall_at_one_instant_in_the_order_of_robo
     assert [row[:2] for row in stalls(fleet)[2:]] == [('a', 'wall'), ('b', 'a')]
 
 
+def test_two_that_creep_at_one_another_both_stall_once_in_any_order_of_robots():
+    starts = ('a', 3.0, 5.0, 0.0), ('b', 3.6001, 5.0, np.pi)
+    found = []
+    for robots in (starts, starts[::-1]):
+        fleet = fleet_of(*robots)
+        for name in 'ab':
+            fleet.robot(name).drive(6e-6)  # too slow to touch the other one at once, if that stood
+        fleet.run(20 * S)
+        found.append(sorted(rows(fleet, 'driven', 'stands', 'stalled')))
+    assert found[0] == found[1]
+    assert [row[1:3] for row in found[0]] == [
+        ('a', 'driven'), ('b', 'driven'), ('a', 'stalled'), ('a', 'stands'), ('b', 'stalled'), ('b', 'stands')]
+
+
 def test_of_two_that_touch_only_the_one_stalls_that_drives_at_the_other():
     fleet = fleet_of(('fast', 2.0, 5.0, 0.0), ('slow', 4.0, 5.0, 0.0), ('still', 9.0, 5.0, 0.0))
     fleet.robot('fast').drive(1.0)

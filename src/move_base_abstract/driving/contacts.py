@@ -189,8 +189,10 @@ class _Meeting:
     def __call__(self, now_ns: int) -> None:
         """Let them stall, in the order of robots."""
         moving = [(body, other) for body, other in self._pair if body.motion is not None]
-        for body, other in [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving:
+        stalling = [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving
+        for body, other in stalling:
             body.stall(now_ns, other.robot.name)
+        for body, other in stalling:  # only now, so that the stall of the one is no reason for the other to try again
             body.stands_at = other
 
 
