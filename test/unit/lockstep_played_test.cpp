@@ -121,11 +121,7 @@ TEST(Played, WithALookaheadNobodyIsGrantedForMessages) {
 }
 
 TEST(Played, AMessageComesBeforeTheOwnTurnOfItsWindow) {
-  Pair stage(withLookahead());
-  stage.report(1, kNever, {advertise(kNews, "/news")});
-  stage.report(2, kNever, {subscribe(kNews, "/news")});
-  grants(stage, 1);
-  grants(stage, 2);
+  Linked stage(nullptr, withLookahead());
   const wire::At half{2 * kSecond + kSecond / 2};
   wire::Play before = plays(2, "x");
   before.first_ns += kSecond / 4;
@@ -141,11 +137,7 @@ TEST(Played, AMessageComesBeforeTheOwnTurnOfItsWindow) {
 }
 
 TEST(Played, AKnockInAWindowComesAfterWhatHasBeenPlayedInIt) {
-  Pair stage(withLookahead());
-  stage.report(1, kNever, {advertise(kNews, "/news")});
-  stage.report(2, kNever, {subscribe(kNews, "/news")});
-  grants(stage, 1);
-  grants(stage, 2);
+  Linked stage(nullptr, withLookahead());
   stage.report(1, 9 * kSecond, {plays(3, "x", 1)});
   stage.report(2, 3 * kSecond);
   EXPECT_EQ(grants(stage, 2), Texts{"3000+0: to 4000000000"});
