@@ -115,3 +115,15 @@ def test_a_charger_charges_a_robot_that_stands_in_its_zone():
     fleet.run(30 * S)
     assert [(row.time_ns, row.kind) for row in fleet.trace if 'charging' in row.kind] == [(3 * S, 'charging_began')]
     assert fleet.robot('r').state_of_charge > 0.6
+
+
+def test_the_laser_of_a_robot_on_an_arc_sees_the_other_one_from_where_both_are_then():
+    robots = [{'name': 'r', 'start_y': -1.0}, {'name': 'other', 'start_x': 3.0, 'robot_radius': 0.5}]
+    fleet = Fleet(make_scenario({'robots': robots, 'defaults': {
+        'driven_by': 'velocities', 'cmd_vel_timeout': 0.0, 'use_map': False, 'scan_rate': 1.0, 'scan_beams': 3,
+        'scan_angle_min': -0.5 * math.pi, 'scan_angle_max': 0.5 * math.pi}}), start_ns=0)
+    fleet.robot('r').drive(math.pi / 2.0, math.pi / 2.0)  # a quarter of a circle around (0, 0) in 1 s
+    fleet.robot('other').drive(0.0, 1.0)
+    fleet.run(S)
+    right, ahead, left = fleet.robot('r').scan().ranges.tolist()
+    assert (right, ahead, left) == (pytest.approx(1.5, abs=1e-2), math.inf, math.inf)
