@@ -211,8 +211,8 @@ class _Adoption:
         """Add the nodes that a shell script starts in the background, in the place of the script."""
         found, refused = unrolled.nodes_of(path, poses.words_of(node.args), self.values(),
                                            lambda package, kind: roles.program_of(Node(package, kind)))
-        self._leave(node, 'it is a shell script that starts {} nodes, which are added{}'.format(len(found), refused),
-                    is_loss=bool(refused))
+        self._leave(node, 'it is a shell script that starts {} nodes, as a restricted run of it has shown; they are '
+                    'added{}'.format(len(found), refused), is_loss=bool(refused))
         for name, program, arguments in found:
             self.added[name] = '{} {}'.format(program, arguments).rstrip()
             self.done.append('{} is added: {}'.format(name, self.added[name]))
