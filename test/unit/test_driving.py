@@ -280,6 +280,13 @@ def test_the_end_of_the_plane_stalls():
     assert fleet.robot('r').pose == Pose2D(1e9 - 10.5)
 
 
+def test_an_arc_that_leads_beyond_the_end_of_the_plane_and_back_stalls():
+    fleet = fleet_of(start_x=1e9)
+    fleet.robot('r').drive(1.0, 0.3)
+    fleet.run()
+    assert [row.values for row in fleet.trace if row.kind == 'stalled'] == [('farthest position',)]
+
+
 @pytest.mark.parametrize('parameters, words', [
     ({'cmd_vel_timeout': 0.5, 'base_watchdog_timeout': 0.2},
      'base_watchdog_timeout: got 0.2 with cmd_vel_timeout: 0.5'),

@@ -50,7 +50,10 @@ class DriveMotion(Motion):
                 break  # at rest from then on
             pieces.append(arc(start, twist, begin_ns))
             driven.append(self.distance)
-            self.distance += abs(pieces[-1].v) * ((until_ns - begin_ns) / NS_PER_S)
+            length = abs(pieces[-1].v) * ((until_ns - begin_ns) / NS_PER_S)
+            self.distance += length
+            bulge = min(0.5 * length, abs(2.0 * pieces[-1].v / twist.turning)) if twist.turning else 0.0
+            Pose2D(abs(start.x) + bulge, abs(start.y) + bulge)  # between its ends an arc may lead beyond them
             start = pose_of(pieces[-1], until_ns)
         self.end = start
         self._kept = tuple(pieces), [*driven, self.distance]
