@@ -95,14 +95,15 @@ class ContractInterface(unittest.TestCase):
             with self.assertRaises(rospy.ServiceException):
                 call('/robot_0/move_base/make_plan', GetPlan, PoseStamped(), bad, 0.0)
 
-    def test_reconfigured_speed_and_tolerances_take_effect_on_the_next_leg(self):
+    def test_a_reconfigured_speed_counts_at_once_and_tolerances_on_the_next_leg(self):
         self.home()
         planner = Client('/robot_0/move_base/DWAPlannerROS', timeout=GUARD)
         goal_id = self.client.send(pose_stamped(400.0))
         start_ns = active_since_ns(self.client, goal_id)
         planner.update_configuration({'max_vel_x': 4.0, 'xy_goal_tolerance': 20.0, 'yaw_goal_tolerance': 6.28})
-        self.assertEqual(self.client.ending(goal_id).header.stamp.to_nsec() - start_ns, 200_000_000_000)
-        self.assertEqual(self.client.drive(pose_stamped(0.0))[1], 95_000_000_000)
+        took_ns = self.client.ending(goal_id).header.stamp.to_nsec() - start_ns
+        self.assertTrue(95_000_000_000 <= took_ns < 190_000_000_000, took_ns)  # 400 m at 2 m/s, the rest but 20 m at 4
+        self.assertEqual(self.client.drive(pose_stamped(0.0))[1], 90_000_000_000)  # 380 m, less 20
         answer = planner.update_configuration({'max_vel_x': 0.0})
         self.assertEqual(answer['max_vel_x'], 4.0, 'a speed of 0 is refused')
         planner.update_configuration({'max_vel_trans': 2.0, 'xy_goal_tolerance': 0.0, 'yaw_goal_tolerance': 0.0,

@@ -1,4 +1,4 @@
-"""Speed limits of zones: how fast robots drive there, how long it takes, what a change does at its instant."""
+"""Speed limits of zones and robots: how fast robots drive, how long it takes, what a change does at its instant."""
 import json
 import math
 import random
@@ -125,3 +125,74 @@ def test_what_a_limit_may_be_and_for_whom():
         fleet.set_zone_limit('slow', -1.0)
     with pytest.raises(ConfigurationError, match="robot 'a': its law of motion, .* allows no speed limits of zones"):
         Fleet(make_scenario({'zones': [SLOW], 'robots': [{'name': 'a', 'calibration': 'move_base_dwa_stage'}]}))
+
+
+MATRIX = {'places': [{'name': 'o', 'x': 0.0, 'y': 3.0}, {'name': 'p', 'x': 10.0, 'y': 0.0}],
+          'times': [{'from': 'o', 'to': 'p', 'seconds': 7.0}]}
+NET = {'nodes': [{'name': 'o', 'x': 0.0, 'y': 0.0}, {'name': 'p', 'x': 10.0, 'y': 0.0}],
+       'edges': [{'from': 'o', 'to': 'p'}]}
+
+
+@pytest.mark.parametrize('more, arrival', [
+    ({}, 2 + 6 / 0.5), ({'acceleration': 2.0}, 2 + 7 / 0.5 + 0.5 / 2), ({'duration_factor': 2.0}, 2 + 8 / 0.5 * 2),
+    ({'goal_overhead': 3.0}, 3 + 10 / 0.5), ({'routes': 'lanes'}, 2 + 6 / 0.5),
+    ({'xy_goal_tolerance': 1.0}, 2 + 5 / 0.5),
+    ({'routes': 'matrix'}, 7.0)])
+def test_a_limit_of_a_robot_that_is_set_on_the_way_counts_on_the_way(more, arrival, tmp_path):
+    key = {'lanes': 'lanes', 'matrix': 'travel_matrix'}.get(more.get('routes'))
+    path = tmp_path / 'file.yaml'
+    path.write_text(json.dumps(MATRIX if key == 'travel_matrix' else NET))
+    fleet = fleet_of([], more={key: str(path)} if key else None, **more)
+    fleet.robot('a').send(10.0, 0.0)
+    fleet.at(2 * S, lambda fleet: fleet.robot('a').set_limits(0.5))
+    fleet.run()
+    assert fleet.robot('a').pose.x == pytest.approx(10.0 - more.get('xy_goal_tolerance', 0.0))
+    assert rows(fleet, 'ended')[0][0] == pytest.approx(arrival)
+
+
+@pytest.mark.parametrize('law', [{'calibration': 'move_base_dwa_stage'}, {'compatible_with': 'move_base_abstract'}])
+def test_a_limit_counts_on_the_way_by_each_law_of_motion(law):
+    ends = []
+    for speed in (None, 0.1):
+        fleet = Fleet(make_scenario({'defaults': law, 'robots': [{'name': 'a'}]}), start_ns=0)
+        fleet.robot('a').send(10.0, 0.0)
+        fleet.at(2 * S, lambda fleet, speed=speed: fleet.robot('a').set_limits(speed))
+        fleet.run()
+        ends.append(rows(fleet, 'ended')[0][0])
+    assert ends[1] > ends[0] + 10.0
+
+
+def test_limits_that_are_set_change_nothing_but_the_speed():
+    fleet = fleet_of([], 'abcd', max_speed=1.0)
+    for name in 'abc':
+        fleet.robot(name).send(4.0, 'abc'.index(name))
+    fleet.at(1 * S, lambda fleet: fleet.robot('a').set_limits(1.0, 0.0))  # as before: it does not stop
+    fleet.at(1 * S, lambda fleet: fleet.robot('b').hold('door'))
+    fleet.at(2 * S, lambda fleet: fleet.robot('b').set_limits(0.5))  # it stands, and stays
+    fleet.at(4 * S, lambda fleet: fleet.robot('c').set_limits(0.5))  # it is there
+    fleet.at(5 * S, lambda fleet: fleet.robot('b').release('door'))
+    fleet.at(6 * S, lambda fleet: fleet.robot('d').set_limits(0.25))
+    fleet.at(7 * S, lambda fleet: fleet.robot('d').send(1.0, 3.0))
+    fleet.run()
+    assert [row[:3] for row in rows(fleet, 'ended', 'departed')] == [
+        (0.0, 'a', 'departed'), (0.0, 'b', 'departed'), (0.0, 'c', 'departed'), (4.0, 'a', 'ended'),
+        (4.0, 'c', 'ended'), (5.0, 'b', 'departed'), (7.0, 'd', 'departed'), (11.0, 'b', 'ended'), (11.0, 'd', 'ended')]
+
+
+def test_a_reset_brings_the_limits_of_the_start_back():
+    fleet = fleet_of([])
+    fleet.robot('a').set_limits(0.5)
+    fleet.reset()
+    fleet.robot('a').send(2.0, 0.0)
+    assert fleet.run() == S
+
+
+def test_what_the_limits_of_a_robot_may_be():
+    fleet = Fleet(make_scenario({'robots': [{'name': 'a'}, {'name': 'b', 'driven_by': 'velocities'}]}))
+    for value in (0, -1.0, 'fast', float('nan')):
+        with pytest.raises(ConfigurationError, match="robot 'a'/max_speed: got .*; allowed: a finite number > 0"):
+            fleet.robot('a').set_limits(value)
+    with pytest.raises(ConfigurationError, match='acceleration: got -1.0; allowed: a finite number >= 0'):
+        fleet.robot('a').set_limits(acceleration=-1.0)
+    with pytest.raises(ConfigurationError, match="robot 'b': driven_by: got 'velocities'; allowed: goals"):
+        fleet.robot('b').set_limits(1.0)

@@ -2,12 +2,15 @@
 from __future__ import annotations
 
 import itertools
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, Optional
 
 from ..common.arguments import as_float, check_kind
 from ..common.errors import ConfigurationError, FrameError
 from ..common.kinds import error
 from ..common.parameter_table import checked
+from ..config.robot_table import ACCELERATION, SPEED
 from ..driving.settings import GOALS, VELOCITIES
 from ..energy.battery import STATE_OF_CHARGE
 from ..faults.failures import KINDS, REQUEST, check_request
@@ -235,6 +238,23 @@ class Member:
         if self._traveller is not None:
             self._traveller.set_priority(number, now_ns)
 
+    def set_limits(self, max_speed: Optional[float] = None, acceleration: Optional[float] = None) -> None:
+        """Limit the robot's speed [m/s] and acceleration [m/s^2, 0: unlimited] from now on, also on its way.
+
+        A robot on its way goes on from rest. None: as before.
+
+        :raises ConfigurationError: if the robot is driven by velocities, or a number is not allowed.
+        """
+        now_ns, limits = self._now_ns(), self._robot.limits
+        if self._driver is not None:
+            raise error(f'{self._words()}: driven_by', VELOCITIES, f'{GOALS}, for a robot with limits that are set')
+        if max_speed is not None:
+            limits = replace(limits, max_speed=checked(max_speed, 'max_speed', SPEED, self._words()))
+        if acceleration is not None:
+            limits = replace(limits, acceleration=checked(
+                acceleration, 'acceleration', ACCELERATION, self._words()) or math.inf)
+        self.navigator.travel.set_motion(limits, self._robot.tolerances, now_ns)
+
     def scan(self) -> Scan:
         """Return the scan that the robot's laser measures now, by its ``scan_`` parameters."""
         if self._laser is None:
@@ -289,6 +309,7 @@ class Member:
         self.navigator.reset(ROBOT_RESET, now_ns)
         self._ledger.clear()
         self.condition.reset(now_ns)
+        self._robot.set_motion(self._settings.limits, self._settings.tolerances)
         self._robot.reset(self._settings.start, now_ns)
         self._stream.tell(motion_of(self._robot, now_ns))
         self.navigator.travel.tell_stands(now_ns)

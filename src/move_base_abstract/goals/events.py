@@ -374,7 +374,8 @@ class Encounter(NamedTuple):
 @written(RowKind('motion',
                  'x, y, yaw of the robot, max_speed, acceleration, turn_rate (0: no limit), xy_goal_tolerance, '
                  'yaw_goal_tolerance',
-                 'the limits from the next leg on: when the robot is made, and when they change', True))
+                 'the limits from now on, and the tolerances from the next leg on: when the robot is made, and '
+                 'when they change', True))
 class MotionSet(NamedTuple):
     """From now on the robot travels by these limits and tolerances: it has been made, at ``pose``, or they changed."""
 

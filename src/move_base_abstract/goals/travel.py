@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Callable, Optional, Sequence, Tuple, Union
 
 from ..engine.guard import guarded
 from ..motion.geometry import Pose2D
-from .events import Abandoned, Departed, Drives, Held, Stands, Warned, new
+from .events import Abandoned, Departed, Drives, Held, Stands, Warned, motion_of, new
 from .outcome import NO_CONTROL, aborted
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..maps.planning import StraightLinePlanner
     from ..motion.attempts import GoalAttempts
     from ..motion.durations import GoalDurations
+    from ..motion.leg import MotionLimits, Tolerances
     from ..motion.pieces import Motion
     from ..motion.robot import Robot
     from ..traffic.giving_way import WayBack
@@ -201,6 +202,19 @@ class Travel:
             self._go_on(now_ns)
         else:
             self.go(corners, now_ns)
+
+    @guarded
+    def set_motion(self, limits: MotionLimits, tolerances: Tolerances, now_ns: int) -> None:
+        """Use other limits from now on, on the way from rest, and other tolerances from the next leg on.
+
+        A way that takes a time of its own, whatever the limits, goes on as it is.
+        """
+        robot = self._robot
+        is_changed = limits != robot.limits
+        robot.set_motion(limits, tolerances)
+        self._tell(motion_of(robot, now_ns))
+        if is_changed and robot.leg is not None and not self._planner.keeps_times:
+            self.change_way(now_ns)
 
     def forget_holds(self, now_ns: int) -> None:
         """End all holds of the robot, which has no goal."""

@@ -54,6 +54,8 @@ class StraightLinePlanner:
 
     #: whether all ways are straight, so that no way depends on what is between its ends
     goes_straight = True
+    #: whether its ways take times of their own, whatever the robot's limits
+    keeps_times = False
     #: what lanes cost in addition to their time, None: nothing; see :mod:`.priced_ways`
     prices: Optional[Prices] = None
     #: the distance [m] from a goal that cannot be reached within which the robot goes instead

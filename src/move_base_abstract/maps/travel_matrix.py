@@ -130,6 +130,7 @@ class MatrixPlanner(StraightLinePlanner):
     """
 
     goes_straight = False
+    keeps_times = True
 
     def __init__(self, matrix: TravelMatrix, bounds: WorldBounds = WorldBounds(),
                  map_check: Optional[MapCheck] = None) -> None:

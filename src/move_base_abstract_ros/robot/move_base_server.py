@@ -11,7 +11,7 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from move_base_abstract.fleet.robot_parts import make_planner, make_robot_parts
 from move_base_abstract.fleet.robot_rows import tell_start
-from move_base_abstract.goals.events import Beyond, Departed, motion_of
+from move_base_abstract.goals.events import Beyond, Departed
 from move_base_abstract.goals.recovery import RecoveryPolicy
 
 from .. import backends
@@ -103,11 +103,9 @@ class MoveBaseServer(RobotServer):
         super()._put_at_start(now_ns)
 
     def set_motion(self, limits: MotionLimits, tolerances: Tolerances) -> None:
-        """Use other limits (MotionLimits) and tolerances (Tolerances) from the next leg on."""
+        """Use other limits (MotionLimits) from now on, and tolerances (Tolerances) from the next leg on."""
         with self._clock.lock:
-            now_ns = self._clock.now_ns()
-            self.navigator.robot.set_motion(limits, tolerances)
-            self._stream.tell(motion_of(self.navigator.robot, now_ns))
+            self.navigator.travel.set_motion(limits, tolerances, self._clock.now_ns())
 
     def reconfigure_goals(self, config: Any) -> None:
         """Use the values that dynamic_reconfigure has set for move_base itself. ``config``: {name: value}."""

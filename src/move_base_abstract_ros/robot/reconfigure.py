@@ -1,4 +1,4 @@
-"""dynamic_reconfigure of move_base and of its local planner. New values take effect on the next leg.
+"""dynamic_reconfigure of move_base and of its local planner. New limits count at once, tolerances on the next leg.
 
 Only values that a user sets are written to the parameter server. Upstream's servers write all their fields at the
 start: then the namespaces of a system would be full of values that no user gave, and the next start would find them.
