@@ -130,14 +130,11 @@ bool isOffered(const std::string& service) {
 }
 
 /**
- * @return whether a node that has never taken part may offer the service. With a lookahead, the ROS
- * master knows the services of participants as of another instant.
+ * @return whether a node that has never taken part may offer the service. Participants do not
+ * count: they register at the ROS master at moments of the wall clock.
  */
 bool mayBeOfferedOutside(const std::string& service) {
   auto& membership = node().membership();
-  if (membership.lookahead() == 0) {
-    return true;
-  }
   const Inside inside;
   const std::set<std::string> present = membership.present();
   const std::set<std::string> gone = membership.gone();
@@ -244,6 +241,9 @@ bool ServiceClient::call(const SerializedMessage& request, SerializedMessage& re
     return function(this, request, response, md5);
   }
   shim::countCall();
+  if (reply.status == wire::CallStatus::kNoServer) {
+    return false;  // as roscpp does, without a word
+  }
   if (!reply.isGood()) {
     ROS_ERROR("Service call failed: service [%s] responded with an error: %s", service.c_str(),
               reply.why().c_str());

@@ -1,6 +1,6 @@
 // Services. The server answers, after a sleep of ~work [s] if that is set. With ~client it waits
 // for services with and without success, calls once a second, and publishes what it sees on
-// "answers".
+// "answers". With ~at_once it calls without waiting first, until there is an answer.
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 #include <std_srvs/SetBool.h>
@@ -33,6 +33,16 @@ bool onRefuse(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response&)
   return false;
 }
 
+void callAtOnce(ros::NodeHandle& node) {
+  const Teller teller("answers");
+  std_srvs::Trigger trigger;
+  ros::ServiceClient client = node.serviceClient<std_srvs::Trigger>("trigger");
+  while (!client.call(trigger)) {
+    ros::Duration(0.5).sleep();
+  }
+  teller.tell(trigger.response.message);
+}
+
 void runClient(ros::NodeHandle& node) {
   const Teller teller("answers");
   teller.tell(ros::service::waitForService("nobody", ros::Duration(2.0)) ? "found" : "not found");
@@ -58,6 +68,10 @@ int nodeMain(int argc, char** argv) {
   ros::init(argc, argv, "calls");
   ros::NodeHandle node;
   ros::NodeHandle("~").param("work", work, work);
+  if (ros::NodeHandle("~").param("at_once", false)) {
+    callAtOnce(node);
+    return 0;
+  }
   if (ros::NodeHandle("~").param("client", false)) {
     runClient(node);
     return 0;

@@ -111,6 +111,12 @@ class LockstepRoscppTest(unittest.TestCase):
         self.assertEqual(lines[2:5], [f'{at} /answers {at} at {at}' for at in (3250000000, 4250000000, 5250000000)])
         self.assertEqual(lines[-1], '23000000000 /answers 23000000000 refused')
 
+    def test_a_call_of_a_service_that_a_participant_offers_at_the_same_instant_fails_and_labels_nothing(self):
+        run = self.same([Program('asker', own('shim_calls'), at_once=True), recorder('/answers'),
+                         Program('server', own('shim_calls'))])
+        self.assertEqual(run.printed(1), ['1500000000 /answers 1500000000 at 1500000000'])
+        self.assertNotIn('Service call failed', run.outputs[0])
+
     def test_simple_action_client_and_server_with_their_own_threads(self):
         run = self.same([Program('goals', own('shim_goals'), goals=6), recorder('/results'),
                          Program('worker', own('shim_worker'))])
