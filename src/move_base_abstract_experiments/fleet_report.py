@@ -122,6 +122,10 @@ def _charging(story: Story) -> List[str]:
     failures = int(sum(one['failures'] for one in robots))
     if failures:
         lines.append(f'failures: {failures}, {sum(one["failed"] for one in robots):.1f} s')
+    lines += [f'ran empty: {one.robot} at {one.time_ns / 1e9:.1f} s, {one.words}'
+              for one in story.emptied[:_MOST_PLACES]]
+    if len(story.emptied) > _MOST_PLACES:
+        lines.append(f'... and {len(story.emptied) - _MOST_PLACES} more ran empty: --json has all')
     return ['', *lines] if lines else []
 
 
@@ -148,7 +152,9 @@ def json_text(story: Story, labels: List[str]) -> str:
              for where, one in story.waits.items()}
     content = {'seconds': story.seconds, 'remarks': labels, 'metrics': fleet_metrics(story), 'robots': story.figures,
                'waits': waits, 'orders': story.orders.times._asdict(),
-               'undone': story.orders.undone}
+               'undone': story.orders.undone,
+               'emptied': [{'robot': one.robot, 'seconds': one.time_ns / 1e9, 'at': one.at, 'doing': one.doing}
+                           for one in story.emptied]}
     return _FORMAT + json.dumps(content, indent=1)[1:].lstrip('\n') + '\n'
 
 

@@ -18,6 +18,7 @@ from move_base_abstract.motion.planned_way import PieceLimit, PlannedWay
 from move_base_abstract.motion.route import CornerLaw, Route
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task
+from move_base_abstract_experiments import fleet_report
 from traces import rows_of_one as rows
 
 S = 1_000_000_000
@@ -335,3 +336,38 @@ def test_numbers_that_are_almost_nothing_are_taken(extreme, start):
     fleet.robot('bot').send(5.0, 0.0)
     fleet.run_for(10.0)
     assert 0.0 <= soc(fleet) <= 1.0
+
+
+def test_a_robot_that_runs_empty_is_in_the_warnings_and_in_the_report_with_where_and_why(tmp_path, capsys):
+    spot = {'x': 30.0, 'duration': 1000.0, 'capacity': 1}
+    fleet = Fleet(make_scenario({
+        'defaults': {'max_speed': 1.0, 'battery_capacity': 0.01, 'nominal_voltage': 10.0, 'ambient_power': 3.6,
+                     'mass': 1e-12},  # 100 s
+        'robots': [{'name': name, 'start_x': x, 'start_y': y} for name, x, y in (
+            ('drives', 0.0, 0.0), ('waits', 10.0, 0.0), ('digs', 30.0, 0.0), ('queues', 30.0, 0.0),
+            ('idle', 0.0, 9.0))] + [{'name': 'full', 'battery_capacity': 1.0},
+                                    {'name': 'blocks', 'start_x': 15.0, 'battery_capacity': 0.0}],
+        'places': [{'name': 'spot', **spot}],
+        'zones': [{'name': 'gate', 'rectangle': [12.0, -2.0, 18.0, 2.0], 'capacity': 1}]}), start_ns=0)
+    fleet.robot('drives').send(-300.0, 0.0, goal_id='far')
+    fleet.robot('waits').send(20.0, 0.0, goal_id='through')
+    fleet.robot('digs').send_task(Task('w', 0, 'spot', Pose2D(30.0, 0.0)))
+    fleet.robot('queues').send_task(Task('q', 0, 'spot', Pose2D(30.0, 0.0)))
+    fleet.run(200 * S)
+    assert [(one.robot, one.goal_id, one.text) for one in fleet.warnings] == [
+        (name, goal, 'The battery is empty at ({}, {}); the robot was {}.'.format(x, y, doing))
+        for name, goal, x, y, doing in (
+            ('drives', 'far', '-100', '0', 'on its way to (-300, 0)'),
+            ('waits', 'through', '12', '0', 'held on its way for zone gate'),
+            ('digs', '', '30', '0', 'working at place spot'),
+            ('queues', '', '30', '0', 'waiting for room at place spot'),
+            ('idle', '', '0', '9', 'without anything to do'))]
+    assert {one.time_ns for one in fleet.warnings} == {100 * S}
+    fleet.write_log(tmp_path / 'run.jsonl')
+    fleet_report.main([str(tmp_path / 'run.jsonl')])
+    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith('ran empty')] == [
+        'ran empty: {} at 100.0 s, {}'.format(*one) for one in (
+            ('drives', 'at (-100.00, 0.00), driving'),
+            ('waits', 'at (12.00, 0.00), waiting for zone gate since 2.0 s'),
+            ('digs', 'working at place spot since 0.0 s'),
+            ('queues', 'waiting for place spot since 0.0 s'), ('idle', 'idle'))]

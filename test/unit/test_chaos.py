@@ -64,7 +64,7 @@ def test_what_fails_a_run():
         assert found(Result('0000-a', error='x'), ended_by=name, reason='who') == (name, 'who')
     assert found(Result('0000-a', error='x'), ended_by='other', reason='deadlock at 3 s: who')[0] == 'unfinished'
     empty = {'time_ns': 1500000000, 'robot': 'robot_1', 'kind': 'battery', 'values': [0.0, 'empty']}
-    assert found(complete(), empty) == ('charged', 'charged: at 1.500000000 s, robot_1: its battery is empty')
+    assert found(complete(), empty) == ('charged', 'charged: at 1.500000000 s, robot_1: its battery is empty (idle)')
     assert found(complete(), ended_by='idle', open_goals=OPEN)[0] == 'every_goal_ends'
     assert found(complete(), ended_by='end_at', open_goals=OPEN) is None
     assert found(Result('0000-a', error='it was not over')) == ('unfinished', 'it was not over')

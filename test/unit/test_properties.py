@@ -43,7 +43,7 @@ BREAKS = {
                         'at 1.000000000 s, r0: the goal that it took in then never ends'),
     'capacities_kept': ([*ROOM, ('r1', 'entered', 'door')], {},
                         'at 3.000000000 s, r1: it came into door, which has room for 1 (r0, r1)'),
-    'charged': ([('r0', 'battery', 0.0, 'empty')], {}, 'at 1.000000000 s, r0: its battery is empty')}
+    'charged': ([('r0', 'battery', 0.0, 'empty')], {}, 'at 1.000000000 s, r0: its battery is empty (idle)')}
 KEPT = [
     ([], {'departures': [dict(GONE[0], died=False)]}),
     ([('/a', 'unasked', 1, 'KeyError', 'a.py'), ('/a', 'asked', 1)], {}),

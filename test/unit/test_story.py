@@ -368,7 +368,7 @@ def test_all_readers_tell_the_same_of_random_runs_as_the_fleet_itself(tmp_path, 
     end = json.loads(path.read_text().splitlines()[-1])['end']
     assert open_goals == {one['action'].split('/')[0] for one in end.get('open_goals', [])}
     broken = {one.node for one in judge(Run(str(path))) if one.property == 'charged'}
-    assert broken == {name for _, name in story.emptied}
+    assert broken == {one.robot for one in story.emptied}
 
 
 def test_a_clock_that_starts_anew_takes_no_time_back():

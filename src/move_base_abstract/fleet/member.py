@@ -14,9 +14,9 @@ from ..config.robot_table import ACCELERATION, SPEED
 from ..driving.settings import GOALS, VELOCITIES
 from ..energy.battery import STATE_OF_CHARGE
 from ..faults.failures import KINDS, REQUEST, check_request
-from ..goals.activity import activity
+from ..goals.activity import activity, emptied
 from ..goals.client import NoClient
-from ..goals.events import Warned, motion_of, new
+from ..goals.events import EMPTY, ChargePassed, Warned, motion_of, new
 from ..goals.navigator import GoalPose
 from ..goals.outcome import ROBOT_REMOVED, ROBOT_RESET
 from ..maps.map_check import MapCheck
@@ -67,7 +67,7 @@ class Member:
         self._is_there = True
         self._goal_numbers = itertools.count(1)
         self._stream = fleet._streams[values['log_motion']].copy()
-        self._stream.subscribe('shown', {Warned: self._warned})
+        self._stream.subscribe('shown', {Warned: self._warned, ChargePassed: self._charge_passed})
         self._map_check = None
         if occupancy is not None and values['use_map']:
             self._map_check = MapCheck(occupancy, values['allow_unknown'], values['allow_occupied_goals'])
@@ -301,6 +301,10 @@ class Member:
         active = self._ledger.active
         self._fleet._note(FleetWarning(
             event.time_ns, event.robot, active.goal_id if active is not None else '', event.text))
+
+    def _charge_passed(self, event: ChargePassed) -> None:
+        if event.what == EMPTY:
+            self._warned(Warned(event.time_ns, event.robot, emptied(self.navigator, self._tasks, event.time_ns)))
 
     def _reset(self, now_ns: int) -> None:
         """Put the robot back to its start, without goals."""

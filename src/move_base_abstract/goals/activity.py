@@ -36,3 +36,24 @@ def _doing(navigator: Navigator, condition: Condition, tasks: Optional[PlaceTask
     holds = {'driving': navigator.robot.leg is not None, 'working': works, 'waiting': navigator.is_active or waits,
              'charging': battery is not None and battery.charger is not None and battery.soc < 1.0, 'idle': True}
     return min((state for state in STATES if holds.get(state.name)), key=lambda state: state.precedence).name
+
+
+def emptied(navigator: Navigator, tasks: Optional[PlaceTaskRunner], now_ns: int) -> str:
+    """Return a warning that the battery is empty: where the robot is, and what it was about to do.
+
+    Call it at that instant, ``now_ns`` [ns], before anything ends because of it.
+    """
+    pose, travel = navigator.robot.pose_at(now_ns), navigator.travel
+    place = '' if tasks is None else tasks.place
+    if navigator.robot.leg is not None:
+        doing = 'driving' if travel.target is None else 'on its way to ({:g}, {:g})'.format(
+            travel.target.x, travel.target.y)
+    elif travel.held_for and navigator.is_active:
+        doing = 'held on its way for ' + ', '.join(travel.held_for)
+    elif tasks is not None and tasks.is_waiting:
+        doing = 'waiting for room at place ' + place
+    elif tasks is not None and tasks.is_working:
+        doing = 'working at place ' + place if place else 'working'
+    else:
+        doing = 'without anything to do'
+    return 'The battery is empty at ({:g}, {:g}); the robot was {}.'.format(round(pose.x, 3), round(pose.y, 3), doing)

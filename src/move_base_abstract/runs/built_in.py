@@ -130,8 +130,8 @@ def _overfull(facts: Facts, _number: float) -> Breaks:
 
 
 def _emptied(facts: Facts, _number: float) -> Breaks:
-    for time_ns, robot in facts.story.emptied:
-        yield time_ns, robot, 'its battery is empty', ()
+    for one in facts.story.emptied:
+        yield one.time_ns, one.robot, 'its battery is empty', (one.words,)
 
 
 #: {name: Property}

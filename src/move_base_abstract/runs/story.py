@@ -48,6 +48,24 @@ class Stay(NamedTuple):
     is_open: bool = False
 
 
+@dataclass
+class Emptied:
+    """A battery has become empty at ``time_ns`` [ns] while no charger charged it.
+
+    ``at``: (x, y) [m] where the robot stands then; None: not known. ``doing``: what it did, in words.
+    """
+
+    time_ns: int
+    robot: str
+    at: Optional[Tuple[float, float]]
+    doing: str
+
+    @property
+    def words(self) -> str:
+        """Where the robot was and what it did, in words."""
+        return self.doing if self.at is None else f'at ({self.at[0]:.2f}, {self.at[1]:.2f}), {self.doing}'
+
+
 class Overfull(NamedTuple):
     """One robot too many came to work at a place (``works``), or into a zone or lane, at ``time_ns``."""
 
@@ -92,8 +110,8 @@ class Story:
         self.stays: List[Stay] = []
         #: each time at which a robot too many came somewhere
         self.overfull: List[Overfull] = []
-        #: (instant [ns], robot) of the batteries that became empty while no charger charged them
-        self.emptied: List[Tuple[int, str]] = []
+        #: each time at which a battery became empty while no charger charged it
+        self.emptied: List[Emptied] = []
         #: (instant [ns], robot that closed it, [robot, area, ...]) of the circles of waiting that are still closed
         self.circles: List[Tuple[int, str, Sequence[Any]]] = []
         self._begun = 0  # the number of stays
@@ -210,8 +228,11 @@ class Story:
             if ends(what, where):
                 self._leave(robot, what, where, now_ns)
 
-    def _stands(self, _now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
+    def _stands(self, now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
         robot.at = float(values[0]), float(values[1])
+        last = self.emptied[-1] if self.emptied else None
+        if last is not None and (last.time_ns, last.robot) == (now_ns, robot.name):
+            last.at = robot.at  # it stops where its battery becomes empty
 
     @staticmethod
     def _departed(now_ns: int, robot: Robot, _kind: str, _values: Sequence[Any]) -> None:
@@ -305,7 +326,17 @@ class Story:
 
     def _battery(self, now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
         if values[-1] == 'empty' and robot.begun('charge') is None:
-            self.emptied.append((now_ns, robot.name))
+            self.emptied.append(Emptied(now_ns, robot.name, robot.at, self._doing(robot)))
+
+    @staticmethod
+    def _doing(robot: Robot) -> str:
+        """Return what the robot does, in words: its state, and where and since when it waits or works."""
+        state = NAMES[robot.state]
+        what, word = {'waiting': (WAITS, 'for'), 'working': (WORKS, 'at')}.get(state, ('', ''))
+        stays = sorted((number, where, since_ns) for (one, where), (since_ns, _, number) in robot.stays.items()
+                       if one == what)
+        places = ', '.join('{} since {:.1f} s'.format(where, since_ns / _S) for _, where, since_ns in stays if where)
+        return '{} {} {}'.format(state, word, places) if places else state
 
     def _charge(self, _now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
         charge, energy, since = float(values[0]), float(values[1]), values[2]

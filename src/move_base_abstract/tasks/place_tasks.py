@@ -81,6 +81,11 @@ class PlaceTaskRunner:
         """Whether the robot works."""
         return self._end is not None
 
+    @property
+    def place(self) -> str:
+        """The name of the place of the latest task, '': it has none."""
+        return '' if self._task is None else str(self._task.place)
+
     def waited_ns(self, now_ns: int) -> int:
         """Return the time that the latest task has waited [ns]."""
         return (now_ns if self._is_pending else self._began_ns) - self._asked_ns - self._done_ns

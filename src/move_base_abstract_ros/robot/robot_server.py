@@ -7,8 +7,8 @@ import rospy
 from std_msgs.msg import Int32
 
 from move_base_abstract.fleet.robot_rows import write
-from move_base_abstract.goals.activity import activity
-from move_base_abstract.goals.events import Warned, motion_of, robot_stream
+from move_base_abstract.goals.activity import activity, emptied
+from move_base_abstract.goals.events import EMPTY, ChargePassed, Warned, motion_of, robot_stream
 from move_base_abstract.goals.outcome import NODE_KILLED, ROBOT_REMOVED, ROBOT_RESET
 
 from .. import lockstep
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from move_base_abstract.goals.navigator import Navigator
     from move_base_abstract.motion.frames import RobotFrames
     from move_base_abstract.motion.robot import Robot
+    from move_base_abstract.tasks.place_tasks import PlaceTaskRunner
     from move_base_abstract.tasks.room import Rooms
     from move_base_abstract.traffic.control import Traffic
     from move_base_abstract.traffic.traveller import Traveller
@@ -68,7 +69,8 @@ class RobotServer:
         self._warning_throttle = WallThrottle(_REPEATED_WARNINGS_RATE)
         self._stream = robot_stream()
         write(self._stream, 'trace', host.events.record(robot_index), settings.values['log_motion'])
-        self._stream.subscribe('shown', {Warned: lambda event: self.warn(event.text)})
+        self._stream.subscribe('shown', {Warned: lambda event: self.warn(event.text),
+                                         ChargePassed: self._charge_passed})
         with lockstep.sender(robot_index):
             with clock.lock:
                 clock.now_ns()
@@ -179,7 +181,15 @@ class RobotServer:
         self.navigator.restart(before_ns, now_ns)
 
     def _state(self) -> str:
-        return activity(self.navigator, self.condition, None if self._work is None else self._work.tasks)
+        return activity(self.navigator, self.condition, self._tasks)
+
+    @property
+    def _tasks(self) -> Optional[PlaceTaskRunner]:
+        return None if self._work is None else self._work.tasks
+
+    def _charge_passed(self, event: ChargePassed) -> None:
+        if event.what == EMPTY:
+            self.warn(emptied(self.navigator, self._tasks, event.time_ns))
 
     def warn(self, text: str) -> None:
         """Log a warning; the same text at most once in 5 s of wall time."""
