@@ -1,4 +1,6 @@
-"""Find capacities that can lock: circles of zones and lanes in which each robot waits for room in the next, for ever.
+"""Find capacities that can lock: circles of areas in which each robot waits for room in the next one, for ever.
+
+Areas are zones, lanes and nodes with a capacity, and groups.
 
 A robot that waits at the border of an area keeps its room in the areas that it leaves (:mod:`.traffic.control`). So
 there is an arrow from one area to another if the way of some robot enters the second one before it has left the first.
@@ -18,10 +20,11 @@ import networkx
 from move_base_abstract.maps.lane_map import NEAR
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
+from move_base_abstract.traffic.nodes import NodeAreas
 from move_base_abstract.traffic.outline import BORDER
 from move_base_abstract.traffic.rules import DeadlockPolicy
 from move_base_abstract.traffic.safe_states import needs_of
-from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_on_lanes, with_groups
+from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_at_nodes, stays_on_lanes, with_groups
 
 from .findings import Finding
 from .ways import MOST_WAYS, leg_between, too_many
@@ -64,7 +67,7 @@ def check_capacities(world: World) -> Iterator[Finding]:
 
 
 class Areas:
-    """The zones, lanes and groups of a World in which robots are counted. Each has a number.
+    """The zones, lanes, nodes and groups of a World in which robots are counted. Each has a number.
 
     ``all`` has the numbers of those that can make robots wait, so not of those with as much room as their group.
     """
@@ -84,6 +87,7 @@ class Areas:
         self._index = ZoneIndex(zones)
         self._nodes = {source: {(pose.x, pose.y) for pose in net.nodes.values()} for source, net in world.nets.items()}
         self._lanes = {}
+        self._places = {source: NodeAreas(net) for source, net in world.nets.items()}
         for source, net in world.nets.items():
             for index, edge in enumerate(net.edges):
                 if edge.is_counted:
@@ -91,6 +95,10 @@ class Areas:
                         Area('lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None,
                              self._group(edge.group, edge.points)),
                         '{}: edges[{}]'.format(os.path.basename(source), index), edge.points)
+            for index, (name, pose) in enumerate(net.nodes.items()):
+                if name in net.capacities:
+                    self._add(self._places[source].areas[name],
+                              '{}: nodes[{}]'.format(os.path.basename(source), index), [(pose.x, pose.y)] * 2)
         self._numbers = {area: number for number, area in enumerate(self._areas)}
         self.all = [number for area, number in self._numbers.items() if area.capacity is not None and (
             area.group is None or area.capacity < area.group.capacity)]
@@ -114,7 +122,12 @@ class Areas:
         return self._groups[name]
 
     def touch(self) -> bool:
-        """Return whether any two areas may touch. If none do, no robot comes from one into another."""
+        """Return whether any two areas may touch. If none do, no robot comes from one into another.
+
+        A node's area reaches along all lanes that lead to it.
+        """
+        if any(area.point is not None for area in self._areas):
+            return True
         boxes = []
         for way, area in zip(self._ways, self._areas):
             if area.capacity is None and area.group is None:
@@ -165,6 +178,9 @@ class Areas:
                 abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
                 for pose in drivers.lanes.nodes.values())
             at_rest += [stay.area for stay in on_lanes if stay.begin <= BORDER and not is_at_node]
+            places = self._places[drivers.lanes.source]
+            at_rest += places.at(*begin)
+            stays += stays_at_nodes(leg, places.end_of)
             stays += on_lanes  # a robot that ended its last goal on a lane still has its room there
         held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)
         return list(self._arrows_along(crossings(with_groups(stays), held), held))
@@ -176,6 +192,8 @@ class Areas:
         seen = dict.fromkeys(held, ())  # {area: those in which the robot asked for room when it came in}
         for number, crossing in enumerate(ahead):
             enters = [area for area in crossing.enters if area not in held]
+            for area in crossing.leaves_anyway():
+                held.pop(area, None)
             wanted: Any = list(enters)
             if enters and blocks > 1:
                 wanted += [area for area in needs_of(ahead[number:], held)
@@ -196,8 +214,8 @@ def _pairs(world: World, drivers: Drivers,
     """Yield the ends ((x, y), (x, y)) of ways that together show all arrows between nodes, starts and targets.
 
     With lanes alone, ways over two lanes are enough, because each part of a longer way is a way of the planner, too,
-    also if several are equally short. Starts and targets on a lane need ways of their own. With zones or blocks
-    (``takes_all``), all ways are needed.
+    also if several are equally short. If nodes have a capacity, ways over one lane lead from one area to another, too.
+    Starts and targets on a lane need ways of their own. With zones or blocks (``takes_all``), all ways are needed.
     """
     others = dict.fromkeys([start.xy for start in drivers.starts] + [target.xy for target in world.targets])
     nodes = {} if drivers.lanes is None else {(pose.x, pose.y): name for name, pose in drivers.lanes.nodes.items()}
@@ -212,6 +230,8 @@ def _pairs(world: World, drivers: Drivers,
                 after.setdefault(begin, []).append(end)
         places = {name: xy for xy, name in nodes.items()}
         for begin, middle in ((begin, middle) for begin, ends in after.items() for middle in ends):
+            if drivers.lanes.capacities and begin in places and middle in places:
+                yield places[begin], places[middle]
             yield from ((places[begin], places[end]) for end in after.get(middle, ())
                         if begin != end and begin in places and end in places)
         for other in others:
@@ -245,9 +265,9 @@ def _least_circle(world: World, areas: Areas, arrows: networkx.DiGraph, part: Se
     if circle is None and is_guarded:  # the shortest circles cannot lock; another one may
         circle, is_over = _any_circle(areas, graph, len(world.starts))
         if is_over:
-            yield Finding('not_checked', 'capacities', 'of the circles among {} zones and lanes the first {} cannot '
-                          'lock, more were not looked at'.format(len(part), _MOST_CIRCLES), areas.where(part[0]),
-                          'take fewer zones and lanes with a capacity')
+            yield Finding('not_checked', 'capacities', 'of the circles among {} zones, lanes and nodes the first {} '
+                          'cannot lock, more were not looked at'.format(len(part), _MOST_CIRCLES), areas.where(part[0]),
+                          'take fewer of them with a capacity')
     if circle is None:
         return
     best = _sum(areas, circle)
@@ -255,7 +275,7 @@ def _least_circle(world: World, areas: Areas, arrows: networkx.DiGraph, part: Se
     shown = names if len(names) <= 8 else names[:7] + ['... {} more'.format(len(names) - 7)]
     yield Finding(
         'can_lock', names[0], '{} robots can lock up for good: in {}, and from there in {} again, each robot waits for '
-        'the next. It is the least of the circles among {} zones and lanes'.format(
+        'the next. It is the least of the circles among {} zones, lanes and nodes'.format(
             best, ' -> '.join(shown), names[0], len(part)),
         areas.where(circle[0]), 'more room on one of them, one-way lanes, a zone around all of them with capacity {}, '
         'deadlock: avoid, or a coordinator that sends fewer robots there'.format(best - 1), (),

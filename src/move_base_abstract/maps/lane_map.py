@@ -2,7 +2,7 @@
 
     nodes:
       - {name: depot, x: 0.0, y: 0.0, yaw: 1.57}
-      - {name: gate, x: 10.0, y: 0.0}
+      - {name: gate, x: 10.0, y: 0.0, capacity: 1}
     edges:
       - {from: depot, to: gate, speed: 0.5, capacity: 1}
       - {from: gate, to: depot, one_way: true, points: [[10, 4], [0, 4]]}
@@ -12,12 +12,12 @@ Maps of topological navigation (``tmap`` and ``tmap2``) are read, too: see :mod:
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..common.bounded_yaml import load_yaml_file
 from ..common.errors import ConfigurationError
 from ..common.kinds import COORDINATE, FLAG, check_keys, error, integer, number, string, text
-from ..common.parameter_table import Parameter, kept_per_file, read_mapping
+from ..common.parameter_table import Parameter, checked, kept_per_file, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..common.shown import shown
 from ..motion.geometry import Pose2D
@@ -26,8 +26,11 @@ from .topological_map import is_topological_map, nodes_of_text, plain_map
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
 #: the name of a node, or of a place of a travel matrix
 NAME = Parameter('name', None, text(200))
+_CAPACITY = Parameter('capacity', None, integer(1))
 _NODE_TABLE = (NAME, Parameter('x', None, COORDINATE), Parameter('y', None, COORDINATE),
-               Parameter('yaw', 0.0, number(unit='rad')))
+               Parameter('yaw', 0.0, number(unit='rad')), _CAPACITY)
+#: the capacity of all nodes of a net that have none of their own
+_NODE_CAPACITY = Parameter('node_capacity', None, integer(1))
 _NODE_NAME = string('the name of a node')
 
 
@@ -45,7 +48,7 @@ _EDGE_TABLE = (
     Parameter('points', (), _points, allowed='a list of [x, y] [m, global frame, within +-1e9]'),
     Parameter('length', None, number(1e-6, 1e9, unit='m')),
     Parameter('speed', None, number(1e-6, 1e6, unit='m/s')),
-    Parameter('capacity', None, integer(1)),
+    _CAPACITY,
     Parameter('one_way', False, FLAG),
     GROUP,
 )
@@ -75,16 +78,20 @@ class Edge(NamedTuple):
 
 
 class LaneMap(NamedTuple):
-    """``nodes`` {name: Pose2D} and ``edges`` (Edge, ...), both in the order of the file; ``source``: its path."""
+    """``nodes`` {name: Pose2D} and ``edges`` (Edge, ...), both in the order of the file; ``source``: its path.
+
+    ``capacities``: {node: the number of robots that have place there}; nodes that are not in it hold any number.
+    """
 
     nodes: Dict[str, Pose2D]
     edges: Tuple[Edge, ...]
     source: str
+    capacities: Mapping[str, int] = {}
 
     @property
     def has_capacities(self) -> bool:
-        """Whether any edge has place for a limited number of robots."""
-        return any(edge.is_counted for edge in self.edges)
+        """Whether any edge or node has place for a limited number of robots."""
+        return bool(self.capacities) or any(edge.is_counted for edge in self.edges)
 
     @property
     def has_speeds(self) -> bool:
@@ -111,19 +118,25 @@ def make_lane_map(raw: Any, where: str = 'lanes') -> LaneMap:
         raw = plain_map(raw, where)
     if not isinstance(raw, dict) or not all(isinstance(raw.get(key), list) for key in ('nodes', 'edges')):
         raise error(where, raw, 'a mapping with the lists nodes and edges, or a topological map')
-    check_keys(raw, ('nodes', 'edges'), where, '')
+    check_keys(raw, ('nodes', 'edges', _NODE_CAPACITY.name), where, '')
+    of_all = 0 if raw.get(_NODE_CAPACITY.name) is None else checked(
+        raw[_NODE_CAPACITY.name], _NODE_CAPACITY.name, _NODE_CAPACITY, where)
     nodes: Dict[str, Pose2D] = {}
+    capacities: Dict[str, int] = {}
     for index, entry in enumerate(raw['nodes']):
         here = '{}: nodes[{}]'.format(where, index)
         values = read_mapping(entry, _NODE_TABLE, here, ('name', 'x', 'y'))
         if values['name'] in nodes:
             raise ConfigurationError('{}: the name {} is there twice'.format(here, shown(values['name'])))
         nodes[values['name']] = Pose2D(values['x'], values['y'], values['yaw'])
+        capacity: int = values['capacity'] or of_all
+        if capacity:
+            capacities[values['name']] = capacity
     if not nodes:
         raise ConfigurationError('{}: nodes: got none; allowed: at least one'.format(where))
     edges = [_edge(entry, nodes, '{}: edges[{}]'.format(where, index)) for index, entry in enumerate(raw['edges'])]
     _check_different(edges, where)
-    return LaneMap(nodes, tuple(edges), where)
+    return LaneMap(nodes, tuple(edges), where, capacities)
 
 
 def _edge(raw: Any, nodes: Dict[str, Pose2D], where: str) -> Edge:

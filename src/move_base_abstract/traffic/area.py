@@ -1,8 +1,11 @@
 """Zones and lanes as traffic sees them: the number of their places, and the robots that hold one or wait for one."""
 from __future__ import annotations
 
+import math
 from bisect import insort
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+
+from ..maps.lane_map import NEAR
 
 if TYPE_CHECKING:
     from .outline import Outline
@@ -10,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class AreaState(NamedTuple):
-    """The state of an area of the ``kind`` 'zone', 'lane' or 'group'.
+    """The state of an area of the ``kind`` 'zone', 'lane', 'node' or 'group'.
 
     ``robots`` hold a place, in the order of their indices. ``waiting`` wait for one, in the order of the queue.
     ``capacity``: the number of places, None: any number.
@@ -25,18 +28,19 @@ class AreaState(NamedTuple):
 
 
 class Area:
-    """A zone with its ``outline`` (Outline), or a lane or a group, which have no outline.
+    """A zone with its ``outline`` (Outline), or a lane, a node at ``point`` (x, y) [m], or a group.
 
     Its ``name`` contains the kind, for example 'zone gate' or 'lane depot - gate'. A robot that is in the area holds a
     place there; ``capacity`` is the number of places, None: any number.
     """
 
     def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None,
-                 group: Optional[Area] = None) -> None:
+                 group: Optional[Area] = None, point: Optional[Tuple[float, float]] = None) -> None:
         self.name = '{} {}'.format(kind, name)
         self._kind_and_name = kind, name
         self.capacity = capacity
         self.outline = outline
+        self.point = point
         #: the area of its group, in which a robot in this area holds a place, too
         self.group = group
         self._members: List[Area] = []  # the areas of this group that have an outline
@@ -61,26 +65,28 @@ class Area:
         """Return the first request, or the first one for which ``traveller`` has to wait; that may be its own.
 
         Requests of robots that go on only if that is safe (``is_careful``) do not count. For ``traveller``, neither do
-        other robots' requests that lack room ahead. If ``traveller`` holds a place in the group of this area, other
-        robots' requests for a place in the group do not count either.
+        other robots' requests that lack room ahead or at the node behind the lane. If ``traveller`` holds a place in
+        the group of this area, other robots' requests for a place in the group do not count either.
         """
         return next((request for request in self.queue if not request.traveller.is_careful and (
             traveller is None or not self.is_overtaken(request, traveller))), None)
 
     def is_overtaken(self, request: Request, traveller: Traveller) -> bool:
         """Return whether ``traveller`` need not wait for ``request``, which is another robot's request here."""
-        return request.traveller is not traveller and (not all(area.has_room() for area in request.ahead) or (
+        return request.traveller is not traveller and (not all(area.has_room() for area in request.lets_pass) or (
             self.group is not None and self.group in traveller.held and self.group in request.areas))
 
     def may_be_next(self) -> List[Request]:
         """Return the requests that may be served next: the first one and, if others may overtake it, those too."""
         first = self.first()
-        if first is None or (self.group is None and not first.ahead):
+        if first is None or (self.group is None and not first.lets_pass):
             return [] if first is None else [first]
         return [request for request in self.queue if not request.traveller.is_careful]
 
     def contains(self, x: float, y: float) -> bool:
-        """Return whether a robot at (x, y) [m] is in this zone, or in a zone of this group."""
+        """Return whether a robot at (x, y) [m] is in this zone, at this node, or in a zone of this group."""
+        if self.point is not None:
+            return math.dist(self.point, (x, y)) <= NEAR
         if self.outline is not None:
             return self.outline.contains(x, y)
         return any(area.contains(x, y) for area in self._members)
@@ -113,10 +119,11 @@ class Area:
 class Request:
     """The request of ``traveller`` for a place in each of ``areas``, since ``since_ns`` [ns].
 
-    The areas ``ahead`` must have room, too, but the robot gets no place in them.
+    The areas ``ahead`` must have room, too, but the robot gets no place in them. While there is no room in one of
+    ``lets_pass``, the areas ahead and nodes, other robots need not wait for this one.
     """
 
-    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'is_in_circle', 'cut_off')
+    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'lets_pass', 'is_in_circle', 'cut_off')
 
     def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
                  ahead: Tuple[Area, ...] = ()) -> None:
@@ -124,6 +131,7 @@ class Request:
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
+        self.lets_pass: Tuple[Area, ...] = (*ahead, *(area for area in areas if area.point is not None))
         self.is_in_circle = False  # whether it is in a circle of waiting that has been reported
         self.cut_off: Tuple[Any, ...] = ()  # robots that could not reach their goals any more, see SafeStates
         for area in areas:

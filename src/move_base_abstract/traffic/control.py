@@ -1,10 +1,10 @@
-"""Traffic: zones and lanes with place for a limited number of robots, on top of Travel.hold.
+"""Traffic: zones, lanes and nodes with place for a limited number of robots, on top of Travel.hold.
 
 A robot asks for a place when it comes to the border of an area. If there is none, it waits there, outside, and its goal
 stays active. Robots are served by priority, then in the order in which they ask, at one instant by name; the docstring
 of :meth:`.Area.first` says which robots may be overtaken. A robot gives its place back when it comes to the border on
 its way out. If it goes from one area directly into another, it gives the place back when it has got a place in the
-other one.
+other one. At a node where it has a place, it gives back all others that end there.
 """
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from ..common.units import NS_PER_S
 from ..maps.lane_map import LaneMap
 from ..motion.planned_way import PieceLimit, PlannedWay
 from .area import Area
+from .nodes import NodeAreas
 from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
 from .safe_states import first_to_go_on, is_safe
@@ -39,7 +40,7 @@ _CLOSED_NS = 3600 * NS_PER_S  # the price of a way through a closed zone
 
 
 class Traffic:
-    """The zones (Zone, ...) and lanes of one process, and the robots that hold a place in them.
+    """The zones (Zone, ...), lanes and nodes of one process, and the robots that hold a place in them.
 
     Not thread-safe, just as the simulation.
     """
@@ -56,6 +57,7 @@ class Traffic:
         self.zones = ZoneIndex(self._zones.values())
         self._limits = {zone.name: zone.max_speed for zone in zones if zone.max_speed is not None}
         self._lanes: Dict[Tuple[str, int], Area] = {}  # (file, index of the edge)
+        self._nodes: Dict[str, NodeAreas] = {}  # by the file
         self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which a robot on that edge holds a place
         self._dirty: List[Area] = []  # areas in which a place may have become free, in that order
         self._serves = False
@@ -85,6 +87,8 @@ class Traffic:
                 if edge.is_counted and (lanes.source, index) not in self._lanes:
                     self._lanes[lanes.source, index] = Area(
                         'lane', '{} - {}'.format(edge.begin, edge.end), edge.capacity, None, self._group(edge.group))
+            if lanes.source not in self._nodes:
+                self._nodes[lanes.source] = NodeAreas(lanes)
         if lanes is None and not self._zones:
             return None
         if self._limits:
@@ -119,7 +123,7 @@ class Traffic:
         return int(self.rules.lane_price * load * time_ns) + closed * _CLOSED_NS
 
     def states(self) -> List[AreaState]:
-        """Return the AreaState of each zone, in the order of the scenario, then of each counted lane, each group."""
+        """Return the AreaState of each zone, in the order of the scenario, then of each lane, node and group."""
         return [area.state() for area in self.areas()]
 
     def close_zone(self, name: str, is_closed: bool) -> None:
@@ -171,6 +175,10 @@ class Traffic:
         """Return the area of an edge of the net in the file ``source``, or None if its capacity is not limited."""
         return self._lanes.get((source, edge))
 
+    def nodes(self, source: str) -> NodeAreas:
+        """Return the nodes with a capacity of the net in the file ``source``, on which a robot drives."""
+        return self._nodes[source]
+
     def freed(self, area: Area) -> None:
         """Note that a place in ``area`` may have become free; :meth:`serve` then looks there."""
         if area.queue and area not in self._dirty:
@@ -188,8 +196,9 @@ class Traffic:
         self._travellers.pop(traveller, None)
 
     def areas(self) -> List[Area]:
-        """Return all areas: the zones in the order of the scenario, then the lanes, then the groups."""
-        return [*self._zones.values(), *self._lanes.values(), *self._groups.values()]
+        """Return all areas: the zones in the order of the scenario, then the lanes, the nodes, and the groups."""
+        nodes = [area for net in self._nodes.values() for area in net.areas.values()]
+        return [*self._zones.values(), *self._lanes.values(), *nodes, *self._groups.values()]
 
     def changed(self, *areas: Area) -> None:
         """Note that other robots hold places in ``areas``, or wait for one; :meth:`serve` will report it."""

@@ -77,7 +77,7 @@ def way_back(driven: Iterable[Tuple[Any, float]], held: Dict[Area, bool],
     end, lane = pieces[-1].end, pieces[-1].lane  # a robot that began half-way on a lane is still on it there
     on_lane = lane is not None and all(math.dist(end, edges[lane].points[side]) > NEAR for side in (0, -1))
     stays = [stay for stay in with_groups(stays_of(_way(pieces, on_lane))) if stay.area.capacity is not None]
-    length = _first_free(stays)
+    length = _first_free(stays, math.fsum(piece.length for piece in pieces))
     if length is None or not all(stay.area in held or stay.area.has_room() for stay in stays
                                  if stay.begin < length - BORDER):
         return None
@@ -129,8 +129,13 @@ def _way(pieces: Sequence[Piece], ends_on_lane: bool = False) -> WayBack:
                    math.fsum(piece.length for piece in pieces))
 
 
-def _first_free(stays: Sequence[Stay]) -> Optional[float]:
-    """Return the first distance [m] at which one of ``stays`` ends and no other one goes on, or None."""
-    ends = sorted(stay.end for stay in stays if stay.end is not None and stay.end > BORDER)
+def _first_free(stays: Sequence[Stay], length: float) -> Optional[float]:
+    """Return the first distance [m] at which one of ``stays`` ends and no other one goes on, or None.
+
+    At a node, where it has a place of its own, a robot is out of the way, too. ``length`` [m]: that of the way.
+    """
+    ends = sorted(length if stay.end is None else stay.end for stay in stays
+                  if stay.end is None and stay.area.point is not None or (stay.end or 0.0) > BORDER)
+    others = [stay for stay in stays if stay.area.point is None]
     return next((end for end in ends if not any(
-        stay.begin < end - BORDER and (stay.end is None or stay.end > end + BORDER) for stay in stays)), None)
+        stay.begin < end - BORDER and (stay.end is None or stay.end > end + BORDER) for stay in others)), None)

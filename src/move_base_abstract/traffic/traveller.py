@@ -13,7 +13,7 @@ from .drives import next_change
 from .outline import BORDER
 from .rules import DeadlockPolicy
 from .safe_states import needs_of
-from .way import crossings, stays_on_lanes, with_groups
+from .way import crossings, stays_at_nodes, stays_on_lanes, with_groups
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -136,12 +136,13 @@ class Traveller:
         return None
 
     def stays(self, way: Any) -> Sequence[Stay]:
-        """Return the Stays of a leg, or of a WayBack, in zones and on lanes."""
+        """Return the Stays of a leg, or of a WayBack, in zones, on lanes and at nodes."""
         stays: Sequence[Stay] = self._traffic.zones.stays(way.way)
         source = self._source
         if source is None:
             return stays
-        return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge))]
+        return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
+                *stays_at_nodes(way, self._traffic.nodes(source).end_of)]
 
     def settle(self, now_ns: int) -> None:
         """Do what follows from a departure or a border: look for a circle of waiting, and let other robots in."""
@@ -262,9 +263,10 @@ class Traveller:
         self._give_back([area for area in granted if not area.contains(self._pose.x, self._pose.y)], now_ns)
 
     def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
-        """Hold a place in each zone in which the robot stands, even if none is free."""
+        """Hold a place in each zone in which the robot stands, and at its node, even if none is free."""
         zones = self._traffic.zones.at(pose.x, pose.y)
-        for area in (*zones, *(zone.group for zone in zones if zone.group is not None)):
+        nodes = [] if self._source is None else self._traffic.nodes(self._source).at(pose.x, pose.y)
+        for area in (*zones, *(zone.group for zone in zones if zone.group is not None), *nodes):
             if area not in self.held:
                 if not area.has_room():
                     self._warn(now_ns, '{} stands in {}, which has no free place: {} robots of {} are there'
@@ -327,6 +329,7 @@ class Traveller:
             self._await_crossing()
             return None
         self._forget_crossings()
+        self._give_back(crossing.leaves_anyway(), now_ns)
         self.request = Request(now_ns, self, enters, ahead)
         self._traffic.changed(*enters)
         self._reason = self.request.reason

@@ -40,6 +40,16 @@ class Crossing(NamedTuple):
     enters: Tuple[Area, ...]
     leaves: Tuple[Area, ...]
 
+    def leaves_anyway(self) -> Tuple[Area, ...]:
+        """Return the areas that a robot leaves here even if it may not go on.
+
+        At a node with a capacity these are all that end there but the node, in which it stands. Elsewhere there are
+        none: the robot keeps its places until it has got the next ones.
+        """
+        if all(area.point is None for area in self.leaves):
+            return ()
+        return tuple(area for area in self.leaves if area.point is None)
+
 
 class ZoneIndex:
     """Finds zones by coordinates: ``areas`` (Area, ...), which have outlines, in the order in which they are given."""
@@ -79,15 +89,10 @@ class ZoneIndex:
 
 def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[Stay]:
     """Return the Stays of ``leg`` on lanes; ``area_of(edge)`` returns the area of an edge, or None if it has none."""
-    lanes = getattr(leg.corners, 'lanes', ())
-    points = [(leg.start.x, leg.start.y), *leg.corners]
-    lengths = [hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
-    ends = [*accumulate(lengths), leg.distance][:len(lanes)]
     stays: List[Any] = []
     begun = 0.0
-    for edge, planned_end in zip(lanes, ends):
+    for edge, end, _ in _pieces(leg):
         area = None if edge is None else area_of(edge)
-        end = min(planned_end, leg.distance)
         if area is not None and end > begun:
             if stays and stays[-1].area is area and stays[-1].end == begun:
                 stays[-1] = stays[-1]._replace(end=end)
@@ -97,6 +102,38 @@ def stays_on_lanes(leg: Any, area_of: Callable[[int], Optional[Area]]) -> List[S
     if stays and stays[-1].end >= leg.distance and leg.corners.ends_on_lane:
         stays[-1] = stays[-1]._replace(end=None)
     return stays
+
+
+def stays_at_nodes(leg: Any, node_at: Callable[[Optional[int], Tuple[float, float]], Optional[Area]]) -> List[Stay]:
+    """Return the Stays of ``leg`` at nodes.
+
+    Each begins where the lane to the node begins, or the straight way to it off the net, and ends where the next lane
+    begins. ``node_at(edge, point)`` returns the area of the node at (x, y) [m], an end of ``edge``, or None if it has
+    none. The node at which a leg begins has no stay: a robot that stands there holds its place.
+    """
+    stays: List[Stay] = []
+    begun = 0.0
+    pieces = _pieces(leg)
+    for number, (edge, end, point) in enumerate(pieces):
+        is_last = number + 1 == len(pieces) or end >= leg.distance
+        is_end = is_last or edge is None or pieces[number + 1][0] != edge
+        area = node_at(edge, point) if is_end and not (is_last and leg.corners.ends_on_lane) else None
+        if area is not None and end > begun:
+            stays.append(Stay(area, begun, None if is_last else end))
+        if is_last:
+            break
+        if pieces[number + 1][0] != edge:
+            begun = end
+    return stays
+
+
+def _pieces(leg: Any) -> List[Tuple[Optional[int], float, Tuple[float, float]]]:
+    """Return (edge, end [m] along the leg, end (x, y) [m]) of each piece of a leg on a net; edge None: off the net."""
+    lanes = getattr(leg.corners, 'lanes', ())
+    points = [(leg.start.x, leg.start.y), *leg.corners]
+    lengths = [hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:])]
+    ends = [*accumulate(lengths), leg.distance][:len(lanes)]
+    return [(edge, min(end, leg.distance), point) for edge, end, point in zip(lanes, ends, [*points[1:], leg.way[-1]])]
 
 
 def with_groups(stays: Sequence[Stay]) -> Sequence[Stay]:
