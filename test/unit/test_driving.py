@@ -179,6 +179,20 @@ def test_a_long_ramp_goes_on_in_parts():
     assert len(rows(fleet, 'driven')) == 2
 
 
+def test_after_a_restart_of_the_clock_a_limited_robot_sets_off_from_rest_at_its_command():
+    fleet = fleet_of(linear={'x': limited(-1.0, 1.0, -2.0, 2.0)})
+    robot = fleet.robot('r')
+    robot.drive(1.0)
+    fleet.run(100 * S)
+    fleet.simulation.restart(100 * MS)
+    robot.navigator.restart(100 * S, 100 * MS)
+    fleet.run(200 * MS)
+    robot.drive(1.0)
+    assert velocity(fleet)[0] == pytest.approx(0.04)
+    fleet.run(300 * MS)
+    assert velocity(fleet)[0] == pytest.approx(0.24)
+
+
 @pytest.mark.parametrize('kind', ['abort', 'stuck', 'silent'])
 def test_a_robot_that_has_failed_or_is_held_stands_and_its_commands_are_lost(kind):
     fleet = fleet_of(failure_kind=kind)

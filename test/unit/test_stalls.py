@@ -240,6 +240,32 @@ def test_a_stalled_robot_goes_on_when_the_other_one_leaves_or_is_removed_or_plac
         assert len(stalls(fleet)) == 1
 
 
+@pytest.mark.parametrize('how', ['hold', 'fail', 'empty', 'reset'])
+def test_a_stalled_robot_that_something_else_stops_has_no_command_any_more(how):
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 4.0, 5.0, 0.0), failure_kind='abort', battery_capacity=1.0)
+    robot, blocker = fleet.robots
+    robot.drive(0.5)
+    fleet.run(2 * S)
+    {'hold': lambda: (robot.hold('a reason'), robot.release('a reason')), 'fail': robot.fail, 'reset': fleet.reset,
+     'empty': lambda: robot.set_charge(0.0)}[how]()
+    before = len(rows(fleet, 'driven'))
+    blocker.place(Pose2D(5.0, 8.0, 0.0))
+    fleet.run(4 * S)
+    robot.place(Pose2D(3.0, 3.0, 0.0))
+    fleet.run(100 * S)
+    assert len(rows(fleet, 'driven')) == before
+
+
+def test_a_stalled_robot_that_is_removed_with_the_one_at_which_it_stands_drives_no_more():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 4.0, 5.0, 0.0))
+    fleet.robot('a').drive(0.5)
+    fleet.run(2 * S)
+    fleet.remove('b')
+    fleet.remove('a')
+    fleet.run(100 * S)
+    assert len(rows(fleet, 'driven')) == 1
+
+
 def test_after_a_reset_the_same_happens_again():
     fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 6.0, 5.0, np.pi))
     found = []

@@ -45,7 +45,7 @@ class Driver:
         self._steps: List[Step] = [(-HORIZON_NS, REST)]  # the last change of the twist before the motion, and its own
         self._watchdog = Alarm(simulation.queue, self.robot.index)
         self._end = Alarm(simulation.queue, self.robot.index, self._ends_at_rest)
-        self.robot.follow(self._moved)
+        navigator.travel.drop_command = self._forget
 
     def command(self, forward: float, lateral: float, turning: float, now_ns: int) -> None:
         """Drive with these speeds [m/s] and this turn rate [rad/s] from ``now_ns`` [ns] on, within the limits.
@@ -78,11 +78,6 @@ class Driver:
         self._steps = [before]
         self._go(now_ns)
 
-    def reset(self, pose: Pose2D, now_ns: int) -> None:
-        """Stand at ``pose`` without a command, as if nothing had happened before."""
-        self.robot.reset(pose, now_ns)
-        self._forget(now_ns)
-
     def stall(self, now_ns: int, by: str) -> None:
         """Stand from ``now_ns`` [ns] on, until a command leads away; ``by``: WALL, or the robot that is touched."""
         was_stalled, self.is_stalled = self.is_stalled, True
@@ -101,9 +96,7 @@ class Driver:
             self.body.use_map(occupancy, now_ns)
 
     def close(self) -> None:
-        """Note that the robot is removed."""
-        self._watchdog.cancel()
-        self._end.cancel()
+        """Note that the robot, whose navigator is closed, is removed."""
         if self.body is not None:
             self.body.leave()
 
@@ -176,12 +169,8 @@ class Driver:
         pose = self.robot.pose_at(now_ns)
         self._tell(Stands(now_ns, self.robot.name, 'stands', pose.x, pose.y, pose.yaw))
 
-    def _moved(self, now_ns: int) -> None:
-        """Note that the robot has begun another motion, or stands: if others have stopped it, forget the command."""
-        if self.robot.leg is not self._motion:
-            self._forget(now_ns)
-
     def _forget(self, now_ns: int) -> None:
+        """Note that something else stops the robot: it has no command any more."""
         self._watchdog.cancel()
         self._end.cancel()
         self._motion, self._wanted, self._steps, self.is_stalled = None, REST, [(now_ns, REST)], False

@@ -324,9 +324,9 @@ class Member:
         if self._tasks is not None:
             self._tasks.shut_down(ROBOT_REMOVED, now_ns)
         self.condition.close()
+        self.navigator.close(ROBOT_REMOVED, now_ns)
         if self._driver is not None:
             self._driver.close()
-        self.navigator.close(ROBOT_REMOVED, now_ns)
         if self._traveller is not None:
             self._traveller.leave(now_ns)
         self._fleet.simulation.queue.guard(self._robot.index, None)

@@ -292,6 +292,7 @@ class Navigator:
         The active goal is aborted; the robot stands where it was.
         """
         self.robot.restart(before_ns, now_ns)
+        self.travel.halt(now_ns)
         if self.is_active:
             self.end(CLOCK_RESTARTED, now_ns)
         self._ledger.restart(now_ns)
@@ -312,8 +313,8 @@ class Navigator:
         """Clean up after the exception ``error``: stop the robot, and end its goal, if any, with the error's text."""
         now_ns, robot = self._simulation.now_ns, self.robot
         attempt_each(self._simulation, robot.name, error, (
-            (self.travel.forget, now_ns), (robot.halt, now_ns), (self.travel.tell_stands, now_ns),
-            (self.feedback.stop,), (self._tell, WheelsStopped(now_ns, robot.name)),
+            (self.travel.forget, now_ns), (robot.halt, now_ns), (self.travel.halt, now_ns),
+            (self.travel.tell_stands, now_ns), (self.feedback.stop,), (self._tell, WheelsStopped(now_ns, robot.name)),
             (self._tell, BrokenOff(now_ns, robot.name)),
             (self._ledger.finish, aborted(fault_text(error)), now_ns), (self._tell, GoalChanged(now_ns, robot.name))))
 

@@ -36,7 +36,7 @@ class Travel:
     """
 
     __slots__ = ('_navigator', '_arrive', '_robot', '_planner', '_agenda', '_tell', '_hearers', '_durations', '_gate',
-                 'limited', 'target', 'held_for', 'waits_for_release')
+                 'limited', 'target', 'held_for', 'waits_for_release', 'drop_command')
 
     def __init__(self, navigator: Navigator, robot: Robot, planner: StraightLinePlanner, agenda: Agenda, stream: Stream,
                  durations: Optional[Union[GoalDurations, GoalAttempts]]) -> None:
@@ -56,6 +56,8 @@ class Travel:
         self.held_for: Tuple[str, ...] = ()
         #: whether its way is planned when the last hold ends
         self.waits_for_release = False
+        #: drop_command(now_ns): has a robot that is driven by velocities forget its command; None: it is not
+        self.drop_command: Optional[Callable[[int], object]] = None
 
     def set_gate(self, gate: Traveller) -> None:
         """Ask ``gate`` at each departure whether the robot may go.
@@ -176,7 +178,8 @@ class Travel:
             if self._durations is not None:
                 self._durations.interrupted(leg, now_ns)
             self._agenda.clear()
-            self.halt(now_ns)
+        self.halt(now_ns)
+        if leg is not None:
             self.waits_for_release = self.target is not None
 
     @guarded
@@ -261,8 +264,10 @@ class Travel:
             self._go_on(now_ns)
 
     def halt(self, now_ns: int) -> None:
-        """Stop the robot, if it drives, and send the event that it stands."""
+        """Stop the robot, if it drives, and send the event that it stands. A command that it has is forgotten."""
         robot = self._robot
+        if self.drop_command is not None:
+            self.drop_command(now_ns)
         if robot.leg is None:
             return
         pose, hear = robot.stop(now_ns), self._hearers.get(Stands)

@@ -100,7 +100,7 @@ class VelocityServer(RobotServer):
         self._publisher.start(now_ns)
 
     def _put_at_start(self, now_ns: int) -> None:
-        self.driver.reset(self._settings.start, now_ns)
+        super()._put_at_start(now_ns)
         self._odometry.reset(now_ns)
 
     def _on_reset(self, _request: Any) -> Any:
