@@ -179,6 +179,17 @@ def test_a_long_ramp_goes_on_in_parts():
     assert len(rows(fleet, 'driven')) == 2
 
 
+def test_a_ramp_whose_first_part_ends_at_rest_goes_on():
+    step = 2.0 ** -7
+    fleet = fleet_of(control_period=0.02, linear={'x': limited(-9.0, 9.0, -50.0 * step, 50.0 * step)},
+                     cmd_vel_timeout=0.0)
+    fleet.robot('r').drive(-1000 * step)
+    fleet.run(30 * S)
+    fleet.robot('r').drive(1.0)
+    fleet.run(60 * S)
+    assert velocity(fleet)[0] == 1.0
+
+
 def test_after_a_restart_of_the_clock_a_limited_robot_sets_off_from_rest_at_its_command():
     fleet = fleet_of(linear={'x': limited(-1.0, 1.0, -2.0, 2.0)})
     robot = fleet.robot('r')

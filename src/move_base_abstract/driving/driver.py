@@ -116,7 +116,7 @@ class Driver:
             self._halt(now_ns)
             return
         end_ns, last = steps[-1]
-        if last != REST:  # it ends just after the driver has set the robot off again, so that it never comes to rest
+        if not last == self._wanted == REST:  # it ends just after the driver has set the robot off again
             end_ns += 1 + (HORIZON_NS if last == self._wanted else self.settings.period_ns)
         try:
             motion = DriveMotion(self.robot.pose_at(now_ns), steps, end_ns)
@@ -142,14 +142,14 @@ class Driver:
 
     def _reach_end(self, due_ns: int) -> None:
         """Stand, if the motion has come to rest; otherwise drive on."""
-        if self._steps[-1][1] == REST:
+        if self._ends_at_rest():
             self._halt(due_ns)
         else:
             self._go(due_ns)
 
     def _ends_at_rest(self) -> bool:
         """Return whether a run goes on until the present motion ends: a robot without a watchdog drives on for ever."""
-        return self._steps[-1][1] == REST
+        return self._steps[-1][1] == self._wanted == REST
 
     def _before(self, now_ns: int) -> Step:
         """Return the last change of the twist before ``now_ns`` [ns]; one at that very instant is undone."""
