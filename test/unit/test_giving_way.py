@@ -102,6 +102,17 @@ def test_who_is_held_for_something_else_too_gives_way_when_that_is_over(row_of_l
     assert [row[1] for row in rows(fleet, 'ended')] == ['a', 'b']
 
 
+def test_who_cannot_give_way_because_its_way_back_is_full_does_so_when_there_is_room():
+    fleet = world({'a': (-6, 1), 'b': (9, 2), 'c': (-6, 3)}, {**CROSSING, 'hall': [-4, 0, 1, 5]})
+    fleet.robot('a').send(9.0, 1.0)
+    fleet.at(4 * S, lambda fleet: (fleet.robot('b').send(-5.0, 2.0), fleet.robot('c').send(-2.0, 3.0)))
+    fleet.at(10 * S, lambda fleet: fleet.robot('c').send(-8.0, 3.0))
+    fleet.run()
+    assert rows(fleet, 'gave_way') == [(11.0, 'a', 'gave_way', 'zone west')]
+    assert [(row[0], row[1]) for row in rows(fleet, 'deadlock')] == [(6.0, 'b'), (11.0, 'b')]
+    assert [row[1] for row in rows(fleet, 'ended')] == ['c', 'c', 'b', 'a']
+
+
 @pytest.mark.parametrize('stop, go_on', [
     (lambda fleet: fleet.robot('b').hold('x'), lambda fleet: fleet.robot('b').release('x')),
     (lambda fleet: fleet.robot('b').cancel(), lambda fleet: fleet.robot('b').send(0.0, 0.0))])

@@ -295,15 +295,15 @@ def test_a_circle_that_closes_when_a_zone_is_opened_is_named_then():
     assert rows(fleet, 'deadlock') == [(10.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
 
 
-def test_a_circle_that_closes_when_a_robot_leaves_is_named_then():
+def test_a_circle_that_one_robot_too_many_cannot_open_by_leaving_is_named_when_it_closes():
     fleet = fleet_of({'a': (1, 1), 'b': (9, 2), 'c': (8, 4)}, CROSSING)  # one more in the east than there is place for
     fleet.robot('a').send(9, 1)
     fleet.robot('b').send(1, 2)
     fleet.run(10 * S)
-    assert not rows(fleet, 'deadlock')
+    assert rows(fleet, 'deadlock') == [(2.0, 'b', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
     fleet.robot('c').send(20, 4)
     fleet.run(20 * S)
-    assert rows(fleet, 'deadlock') == [(11.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
+    assert len(rows(fleet, 'deadlock')) == 1
 
 
 def test_a_long_row_of_robots_goes_on_at_one_instant():

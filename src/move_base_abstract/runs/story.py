@@ -298,6 +298,7 @@ class Story:
     def _entered(self, now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
         room = self._room.setdefault(values[0], 2 ** 63)
         self._stay(robot, INSIDE, values[0], now_ns)
+        self._open_circles(robot)
         self._come(now_ns, robot, (INSIDE, values[0]), '', room)
 
     def _left(self, now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:

@@ -50,7 +50,7 @@ class Area:
         self.is_told = False  # whether its capacity has been reported
         self._state: Optional[AreaState] = None
         self.queue: List[Request] = []  # in their order
-        self.watchers: List[Request] = []  # requests for places in other areas that also need room in this one
+        self.watchers: List[Request] = []  # requests that others overtake while there is no room here
         self.holders: Dict[Traveller, bool] = {}  # in the order in which they came
 
     def has_room(self) -> bool:
@@ -75,6 +75,11 @@ class Area:
         """Return whether ``traveller`` need not wait for ``request``, which is another robot's request here."""
         return request.traveller is not traveller and (not all(area.has_room() for area in request.lets_pass) or (
             self.group is not None and self.group in traveller.held and self.group in request.areas))
+
+    def before(self, request: Request) -> List[Request]:
+        """Return the requests in the queue for which ``request`` has to wait; see :meth:`first`."""
+        return [one for one in self.queue[:self.queue.index(request)] if not one.traveller.is_careful
+                and not self.is_overtaken(one, request.traveller)]
 
     def may_be_next(self) -> List[Request]:
         """Return the requests that may be served next: the first one and, if others may overtake it, those too."""
@@ -136,7 +141,7 @@ class Request:
         self.cut_off: Tuple[Any, ...] = ()  # robots that could not reach their goals any more, see SafeStates
         for area in areas:
             insort(area.queue, self)
-        for area in ahead:
+        for area in self.lets_pass:
             area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
@@ -168,5 +173,5 @@ class Request:
         """Leave the queues."""
         for area in self.areas:
             area.queue.remove(self)
-        for area in self.ahead:
+        for area in self.lets_pass:
             area.watchers.remove(self)

@@ -8,51 +8,65 @@ from ..goals.outcome import NO_CONTROL
 from ..goals.traffic_events import Deadlock
 from .giving_way import way_back, who_gives_way
 from .rules import DeadlockPolicy
-from .waiting_circle import waiting_circle
+from .waiting import WaitingGraph
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
-    from .area import Area
+    from .control import Traffic
     from .giving_way import WayBack
     from .traveller import Traveller
+    from .waiting import Reason
 
 
 class Circles:
-    """Handle the circles of waiting that one ``traveller`` (Traveller) closes, by ``policy`` (DeadlockPolicy)."""
+    """Handle the circles of waiting that one ``traveller`` (Traveller) closes, as the rules of ``traffic`` say."""
 
-    def __init__(self, traveller: Traveller, policy: DeadlockPolicy, navigator: Navigator, stream: Stream) -> None:
+    def __init__(self, traveller: Traveller, traffic: Traffic, navigator: Navigator, stream: Stream) -> None:
         #: the legs that the robot has driven since it last held no place: (leg, distance driven on it [m])
         self.driven: List[Tuple[Any, float]] = []
         self._traveller = traveller
-        self._policy = policy
+        self._traffic = traffic
+        self._policy = traffic.rules.policy
         self._navigator = navigator
         self._tell = stream.tell
-        if policy is DeadlockPolicy.RETREAT:
+        if self._policy is DeadlockPolicy.RETREAT:
             stream.subscribe('traffic', {Held: self._look_again})
 
     def look(self, now_ns: int) -> None:
         """Report each circle of waiting that the robot closes, once, and resolve it as the policy says.
 
-        A robot that gives way is in no circle any more, so the loop ends.
+        If no robot of a circle could give way when it was reported, and one can now, it is reported again. A robot that
+        gives way is in no circle any more, so the loop ends.
         """
-        while self._traveller.request is not None:  # None: its goal was broken off, or it gave way
-            circle = waiting_circle(self._traveller.request)
-            requests: List[Any] = [traveller.request for traveller, _ in circle or ()]
-            if circle is None or all(one.is_in_circle for one in requests):
+        while self._is_waited_for():
+            request: Any = self._traveller.request
+            circle = WaitingGraph((request,), self._traffic.safe_states).circle(self._traveller)
+            if circle is None:
+                return
+            requests: List[Any] = [traveller.request for traveller, _ in circle]
+            yields = None
+            if self._policy is DeadlockPolicy.RETREAT:
+                yields = _who_gives_way(circle)
+                if yields is None:
+                    self._traffic.jams(self._traveller)
+            if yields is None and all(one.is_in_circle for one in requests):
                 return
             for one in requests:
-                one.is_in_circle = True
-            yields = _who_gives_way(circle) if self._policy is DeadlockPolicy.RETREAT else None
+                one.is_in_circle = yields is None
             self._name(circle, yields and yields[0], now_ns)
             if self._policy is DeadlockPolicy.ABORT:
                 self._navigator.shut_down(NO_CONTROL, now_ns)
             if yields is None:
                 return
-            for one in requests:
-                one.is_in_circle = False
             traveller, way = yields
             traveller.serve(lambda one, at_ns, way=way: one.gives_way(way, at_ns), now_ns)  # type: ignore[misc]
+
+    def _is_waited_for(self) -> bool:
+        """Return whether any robot may wait for this one, which waits itself."""
+        request = self._traveller.request
+        return request is not None and (bool(self._traveller.held) or any(
+            area.queue[-1] is not request for area in request.areas))
 
     def way_back(self) -> Optional[WayBack]:
         """Return the way back to where the robot holds no place.
@@ -66,11 +80,10 @@ class Circles:
         """If the robot is in a circle and no other reason holds it any more, look again: it may give way now."""
         request = self._traveller.request
         if request is not None and request.is_in_circle and self._traveller.waits_only:
-            request.is_in_circle = False
             self.look(event.time_ns)
 
-    def _name(self, circle: Sequence[Tuple[Traveller, Area]], yields: Optional[Traveller], now_ns: int) -> None:
-        pairs = [(traveller.name, area.name) for traveller, area in circle]
+    def _name(self, circle: Sequence[Tuple[Traveller, Reason]], yields: Optional[Traveller], now_ns: int) -> None:
+        pairs = [(traveller.name, reason.area.name) for traveller, reason in circle]
         name = self._traveller.name
         self._tell(Deadlock(now_ns, name, tuple(part for pair in pairs for part in pair)))
         what = ''
@@ -79,10 +92,16 @@ class Circles:
         elif self._policy is DeadlockPolicy.RETREAT:
             what = ' {} gives way.'.format(yields.name) if yields else ' None of them can give way.'
         self._tell(Warned(now_ns, name, 'Robots wait for one another in a circle: {}.{}'.format(
-            '; '.join('{} for {}'.format(*pair) for pair in pairs), what)))
+            '; '.join(_words(*pair) for pair in zip(circle, [*circle[1:], circle[0]])), what)))
 
 
-def _who_gives_way(circle: Sequence[Tuple[Traveller, Area]]) -> Optional[Tuple[Traveller, WayBack]]:
+def _words(waits: Tuple[Traveller, Reason], following: Tuple[Traveller, Reason]) -> str:
+    traveller, reason = waits
+    return '{} for {}{}'.format(traveller.name, reason.area.name, ', which would cut {} off'.format(
+        following[0].name) if reason.is_unsafe else '')
+
+
+def _who_gives_way(circle: Sequence[Tuple[Traveller, Reason]]) -> Optional[Tuple[Traveller, WayBack]]:
     """Return (the first robot that should give way and has a way back, that way), or None if there is none."""
     for traveller in who_gives_way(circle):
         way = traveller.circles.way_back()

@@ -9,7 +9,7 @@ other one. At a node where it has a place, it gives back all others that end the
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import checked
@@ -21,7 +21,7 @@ from .area import Area
 from .nodes import NodeAreas
 from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
-from .safe_states import first_to_go_on, is_safe
+from .safe_states import SafeStates, first_to_go_on, is_safe
 from .traveller import Traveller
 from .way import ZoneIndex
 from .zones import MAX_SPEED
@@ -63,6 +63,7 @@ class Traffic:
         self._serves = False
         self._is_told = True
         self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
+        self._jammed: Dict[Traveller, bool] = {}  # those that have closed a circle in which nobody could give way
         self._has_moved = False  # whether anything has changed on which :meth:`may_take` depends
 
     def _group(self, name: Optional[str]) -> Optional[Area]:
@@ -181,11 +182,27 @@ class Traffic:
 
     def freed(self, area: Area) -> None:
         """Note that a place in ``area`` may have become free; :meth:`serve` then looks there."""
-        if area.queue and area not in self._dirty:
-            self._dirty.append(area)
+        self._ask_in((area,))
+        self._ask_watchers(area)
+
+    def taken(self, area: Area) -> None:
+        """Note that a robot holds a place in ``area`` now."""
+        self.changed(area)
+        self._ask_watchers(area)
+
+    def _ask_watchers(self, area: Area) -> None:
+        """Have :meth:`serve` look where requests wait that may go on now, or that others may overtake now."""
         for request in area.watchers:
-            if request.areas[0] not in self._dirty:
-                self._dirty.append(request.areas[0])
+            self._ask_in(request.areas)
+
+    def _ask_in(self, areas: Iterable[Area]) -> None:
+        for area in areas:
+            if area.queue and area not in self._dirty:
+                self._dirty.append(area)
+
+    def safe_states(self) -> SafeStates:
+        """Return the SafeStates of the present, valid until anything changes."""
+        return SafeStates(self._travellers)
 
     def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
         """Return whether ``traveller`` may take a place in each of ``areas``; see :mod:`.safe_states`."""
@@ -220,6 +237,7 @@ class Traffic:
             self._serve_in_order(now_ns)
             while self.rules.policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT) and self._serve_safely(now_ns):
                 self._serve_in_order(now_ns)
+            self._look_again(now_ns)
         finally:
             self._serves = False
         if not self._is_told:
@@ -237,8 +255,18 @@ class Traffic:
                 goes_on.traveller.serve(Traveller.go_on, now_ns)
                 continue
             self._dirty.pop(0)
-            if requests:  # the area may have been opened, or have held more robots than it has places
-                requests[0].traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+            for one in requests:  # the area may have been opened, or they do not overtake one another any more
+                one.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+
+    def jams(self, traveller: Traveller) -> None:
+        """Note that ``traveller`` has closed a circle in which nobody can give way; :meth:`serve` tries it again."""
+        self._jammed[traveller] = True
+
+    def _look_again(self, now_ns: int) -> None:
+        jammed, self._jammed = self._jammed, {}
+        for one in jammed:
+            if one.request is not None:
+                one.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
 
     def _serve_safely(self, now_ns: int) -> bool:
         """Let in the first robot, in the order of requests, for which that is safe; return whether there was one."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..maps.lane_map import Edge
     from .area import Area
     from .traveller import Traveller
+    from .waiting import Reason
     from .way import Stay
 
 _FREE = PieceLimit()
@@ -52,13 +53,13 @@ class WayBack(NamedTuple):
         return (self.start.x, self.start.y), *self.corners, (self.goal.x, self.goal.y)
 
 
-def who_gives_way(circle: Sequence[Tuple[Traveller, Area]]) -> List[Traveller]:
-    """Return the robots of ``circle`` ((Traveller, Area), ...) that may give way, those that are served last first.
+def who_gives_way(circle: Sequence[Tuple[Traveller, Reason]]) -> List[Traveller]:
+    """Return the robots of ``circle`` ((Traveller, Reason), ...) that may give way, those that are served last first.
 
     A robot may give way only if it holds a place in the area for which the robot before it in the circle waits.
     """
-    holders = [one for one, (_, area) in zip([*(pair[0] for pair in circle[1:]), circle[0][0]], circle)
-               if area in one.held]
+    holders = [one for one, (_, reason) in zip([*(pair[0] for pair in circle[1:]), circle[0][0]], circle)
+               if reason.area in one.held]
     return sorted(holders, key=lambda one: one.request.key, reverse=True)  # type: ignore[union-attr]
 
 

@@ -87,6 +87,17 @@ class SafeStates:
             request.cut_off = tuple((one, one.needs, tuple(one.held)) for one in self._busy if one not in after)
         return False
 
+    def against(self, request: Request) -> Tuple[Traveller, ...]:
+        """Return the robots of which one must go on before the robot of ``request`` may have its places; (): it may.
+
+        They hold places, and would not be able.
+        """
+        taker = request.traveller
+        if self.allows_request(request):
+            return ()
+        after = _able(self._busy, taker, request.areas)
+        return tuple(one for one in self._busy if one.held and one is not taker and one not in after)
+
     def _able_before(self) -> Dict[Traveller, bool]:
         if self._before is None:
             self._before = _able(self._busy)

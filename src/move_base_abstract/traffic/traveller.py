@@ -68,7 +68,7 @@ class Traveller:
         self._granted: Tuple[Area, ...] = ()  # the areas in which it got a place but for which it has not departed yet
         self._reason: Optional[str] = None  # the reason for which traffic holds it
         #: handles the circles of waiting that it closes (Circles)
-        self.circles: Circles = Circles(self, traffic.rules.policy, navigator, stream)
+        self.circles: Circles = Circles(self, traffic, navigator, stream)
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
                                      BrokenOff: self._put_in_order})
         if navigator.takes_none is not None:
@@ -376,7 +376,7 @@ class Traveller:
     def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
         for area in areas:
             self.held[area] = area.holders[self] = True
-            self._traffic.changed(area)
+            self._traffic.taken(area)
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
                 self._tell(Places(now_ns, self.name, area.name, area.capacity))

@@ -1,0 +1,87 @@
+"""A fleet that becomes quiet with an open goal: each reason for which a robot waits is known, and each circle is named.
+
+The cases are small nets that once stood still without a row or a warning; the others are drawn (small_worlds).
+"""
+import json
+
+import pytest
+from night import times
+
+from move_base_abstract.fleet import Fleet
+from move_base_abstract.properties import Run, judge
+from move_base_abstract.scenario import make_scenario
+from move_base_abstract.traffic.waiting import WaitingGraph, reasons_of
+from small_worlds import SmallWorld
+from traces import rows
+
+
+def run(folder, nodes, edges, robots, goals, **raw):
+    """Run robots ({name: (node, further settings)}) from goal to goal ({name: [node, ...]}); return the Fleet."""
+    (folder / 'net.yaml').write_text(json.dumps({
+        'nodes': [{'name': name, 'x': x, 'y': y} for name, (x, y) in nodes.items()],
+        'edges': [{'from': one, 'to': other, **more} for one, other, more in edges]}))
+    left = {name: list(own) for name, own in goals.items()}
+
+    def send(name, *_):
+        if left[name]:
+            fleet.robot(name).send(*nodes[left[name].pop(0)])
+    fleet = Fleet(make_scenario({
+        'defaults': {'routes': 'lanes'}, 'lanes': str(folder / 'net.yaml'), **raw,
+        'robots': [{'name': name, 'start_x': nodes[node][0], 'start_y': nodes[node][1], **more}
+                   for name, (node, more) in robots.items()]}), on_end=send)
+    for name in goals:
+        send(name)
+    fleet.run()
+    return fleet
+
+
+def test_a_refusal_because_others_would_be_cut_off_is_a_reason_for_which_robots_wait_in_a_circle(tmp_path):
+    one = {'capacity': 1}
+    nodes = {'n0': (10.0, 0.0), 'n1': (3.1, 9.5), 'n2': (-8.1, 5.9), 'n3': (-8.1, -5.9), 'n4': (3.1, -9.5),
+             'c': (0.0, 0.0)}
+    edges = [('n0', 'n1', {**one, 'group': 'g0'}), ('n1', 'n2', one), ('n2', 'n3', {}),
+             ('n4', 'n0', {**one, 'group': 'g0'}), ('c', 'n2', {})]
+    robots = {name: (node, {'max_speed': 1.0}) for name, node in (
+        ('r_1', 'n3'), ('r_2', 'n4'), ('r_4', 'n1'), ('r_5', 'n2'), ('r_6', 'n4'))}
+    goals = {'r_1': ['n1', 'n4', 'n2'], 'r_2': ['c', 'n0'], 'r_4': ['n4'], 'r_5': ['n0', 'n4'], 'r_6': ['n3']}
+    fleet = run(tmp_path, nodes, edges, robots, goals, deadlock='retreat', groups={'g0': 2})
+    assert [row[4] for row in rows(fleet, 'ended')] == ['SUCCEEDED'] * 9
+    assert rows(fleet, 'deadlock')[-1][1:] == (
+        'r_1', 'deadlock', 'r_1', 'lane n0 - n1', 'r_2', 'group g0', 'r_5', 'lane n4 - n0')
+    assert fleet.warnings[-1].text == (
+        'Robots wait for one another in a circle: r_1 for lane n0 - n1, which would cut r_2 off; r_2 for group g0; '
+        'r_5 for lane n4 - n0. r_1 gives way.')
+
+
+def test_who_may_overtake_is_asked_when_an_area_ahead_of_the_first_in_the_queue_fills(tmp_path):
+    one, way, group = {'capacity': 1}, {'one_way': True}, {'group': 'g0'}
+    nodes = {'n0': (10.0, 0.0), 'n1': (5.0, 8.7), 'n2': (-5.0, 8.7), 'n3': (-10.0, 0.0), 'n4': (-5.0, -8.7),
+             'n5': (5.0, -8.7), 'c': (0.0, 0.0)}
+    edges = [('n0', 'n1', way), ('n1', 'n2', group), ('n2', 'n3', {**one, **way, **group}), ('n3', 'n4', one),
+             ('n5', 'n0', group), ('c', 'n0', one), ('c', 'n3', {**way, **group}), ('c', 'n4', group)]
+    robots = {'r_0': ('n2', {'max_speed': 2.0, 'priority': 1}), 'r_1': ('n1', {'max_speed': 0.5}),
+              'r_3': ('n5', {'max_speed': 0.5}), 'r_4': ('n1', {'max_speed': 1.0}), 'r_5': ('n2', {'max_speed': 1.0}),
+              'r_6': ('n0', {'max_speed': 0.5, 'priority': 1})}
+    goals = {'r_0': ['n2', 'n3', 'n2'], 'r_1': ['n3'], 'r_3': ['n3'], 'r_4': ['n0'], 'r_5': ['c'], 'r_6': ['c', 'n3']}
+    fleet = run(tmp_path, nodes, edges, robots, goals, blocks=3, groups={'g0': 2})
+    assert [row[4] for row in rows(fleet, 'ended')] == ['SUCCEEDED'] * 9
+
+
+@pytest.mark.parametrize('part', range(10))
+def test_whoever_stands_in_a_quiet_fleet_waits_in_a_named_circle_or_for_a_robot_without_a_goal(tmp_path, part):
+    count = times(500, 20_000) // 10
+    for seed in range(part * count, (part + 1) * count):
+        fleet = SmallWorld(seed, tmp_path).run(until=20_000.0)
+        assert not fleet.simulation.queue.is_busy(), seed
+        waiting = [one.request for one in fleet.traffic._travellers if one.request is not None]
+        names = [one.traveller.name for one in waiting]
+        assert names == [robot.name for robot in fleet.robots if robot.navigator.is_active], seed
+        if not waiting:
+            continue
+        states = fleet.traffic.safe_states
+        assert all(list(reasons_of(request, states)) for request in waiting), seed  # nobody was forgotten
+        fleet.write_log(tmp_path / 'run.jsonl')
+        named = [one for one in judge(Run(str(tmp_path / 'run.jsonl'))) if one.property == 'no_standstill']
+        stuck = WaitingGraph(waiting, states).stuck
+        holders = {name for area in fleet.zones if area.robots for name in area.robots if name not in names}
+        assert bool(named) == bool(stuck) and (named or holders), seed
