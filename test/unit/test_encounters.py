@@ -316,3 +316,38 @@ def test_a_drive_from_rest_to_rest_is_met_as_a_goal(tmp_path):
         fleet.run()
     assert [time_ns for time_ns, robot, *_ in rows(fleet, 'encounter') if robot == 'a'] == [
         pytest.approx(1.4e9, abs=1), pytest.approx(2.4e9, abs=1)]
+
+
+FLEET_OF_THREE = [
+    {'name': 'r_8', 'start_x': 13.374, 'start_y': 11.424, 'start_yaw': 2.088},
+    {'name': 'r_11', 'start_x': 13.029, 'start_y': 10.604, 'start_yaw': -2.920},
+    {'name': 'r_13', 'start_x': 10.873, 'start_y': 11.710, 'start_yaw': 2.863}]
+
+
+def met(robots, goals, seed):
+    """Return the rows of robots that meet, those of one instant sorted by robot."""
+    fleet = Fleet(make_scenario({'seed': seed, 'encounters': 'calibrated', 'robots': robots,
+                                 'defaults': {'calibration': 'move_base_dwa_stage'}}))
+    for robot in robots:
+        fleet.robot(robot['name']).send(*goals[robot['name']])
+    fleet.run()
+    return sorted(fleet.trace, key=lambda row: (row.time_ns, row.robot))
+
+
+def test_all_pairs_of_one_instant_are_judged_before_a_robot_stands_whatever_the_order_of_robots():
+    goals = {'r_11': (6.121, 10.704), 'r_13': (12.756, 12.928), 'r_8': (1.240, 1.836)}
+    first, second = met(FLEET_OF_THREE, goals, 7010), met(FLEET_OF_THREE[::-1], goals, 7010)
+    assert first == second
+    assert [(row.robot, row.values[0]) for row in first if row.kind == 'encounter' and row.time_ns == 1_000_000_000] == [
+        ('r_11', 'r_13'), ('r_13', 'r_11'), ('r_13', 'r_8'), ('r_8', 'r_13')]
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_encounters_do_not_depend_on_the_order_of_robots(seed):
+    dice = random.Random(seed)
+    robots = [{'name': 'r_{}'.format(number), 'start_x': round(dice.uniform(0, 15), 3),
+               'start_y': round(dice.uniform(0, 15), 3), 'start_yaw': round(dice.uniform(-3, 3), 3)}
+              for number in range(12)]
+    goals = {one['name']: (round(dice.uniform(0, 15), 3), round(dice.uniform(0, 15), 3)) for one in robots}
+    shuffled = dice.sample(robots, len(robots))
+    assert met(robots, goals, seed) == met(shuffled, goals, seed)

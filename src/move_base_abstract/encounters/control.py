@@ -3,7 +3,8 @@
 The first instant at which two robots come within the law's radius is an event. At that instant the law determines which
 robot has to stand, and for how long. The draws depend only on the seed, the names of both robots and the numbers of
 their goals; they do not depend on the order in which the robots came, or on when they were looked at. A robot that has
-to stand is held, as for any other wait on its way; then it goes on. Two robots meet once for each pair of their goals,
+to stand is held, as for any other wait on its way; then it goes on. Robots meet after all else of an instant, and all
+pairs of one instant are judged by their ways before any robot stands: the order of robots does not matter. Two robots meet once for each pair of their goals,
 so no robot stands for the same robot again and again.
 """
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S, seconds_to_ns
 from ..engine.chance import Chance
+from ..engine.event_queue import DECISIONS
 from ..goals.events import Encounter, GoalChanged, Meets
 from ..goals.outcome import NO_CONTROL
 from ..motion.encounter_law import CROSSING, HEAD_ON, OVERTAKING, STANDING, EncounterLaw
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
+    from ..motion.encounter_law import Cost
     from .nearness import Window
 
 _NEARER = 0.01  # m; two robots that are near already meet only if they come nearer by this
@@ -52,6 +55,7 @@ class Encounters:
         self._robots: Dict[int, Participant] = {}
         self._ahead: Dict[Tuple[int, int], Any] = {}  # {pair: the event of their next meeting}
         self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
+        self._meet_now: List[Tuple[Participant, Participant]] = []  # those that meet at this instant
 
     def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream) -> Participant:
         """Add a robot; return its :class:`Participant`. ``law``: the law of encounters of the robot's calibration.
@@ -87,7 +91,7 @@ class Encounters:
             due_ns = next_meeting(one.track, two.track, self.law.radius, times, now_ns)
             if due_ns is not None:
                 event = self.simulation.queue.schedule(
-                    due_ns, pair[0], lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
+                    due_ns, DECISIONS, lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
                 self._ahead[pair] = one.ahead[two.index] = two.ahead[one.index] = event
 
     def _forget(self, index: int) -> None:
@@ -102,7 +106,21 @@ class Encounters:
         one, other = self._robots[pair[0]], self._robots[pair[1]]
         del self._ahead[pair], one.ahead[other.index], other.ahead[one.index]
         self._met[pair] = one.goal_number, other.goal_number
-        first, second = (one, other) if one.name < other.name else (other, one)
+        if not self._meet_now:
+            self.simulation.queue.schedule(now_ns, DECISIONS + 1, self._all_meet)
+        self._meet_now.append((one, other) if one.name < other.name else (other, one))
+
+    def _all_meet(self, now_ns: int, _now_ns: int) -> None:
+        """Have all pairs meet that meet at this instant: each is judged before a robot of another one stands."""
+        pairs, self._meet_now = sorted(self._meet_now, key=lambda pair: (pair[0].name, pair[1].name)), []
+        costs = [self._cost(first, second, now_ns) for first, second in pairs]
+        for (first, second), cost in zip(pairs, costs):
+            for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
+                if seconds > 0.0:
+                    own.stand(their, seconds, cost.aborts, now_ns)
+
+    def _cost(self, first: Participant, second: Participant, now_ns: int) -> Cost:
+        """Return what it costs two robots that they meet now, and report it."""
         stay = find_stay(first.track, second.track, self.law.radius, now_ns)
         kind, yields = kind_of(first.track, second.track, now_ns, stay.nearest_ns)
         chance = self.law.chance(kind, stay.nearest, first.width(second, stay.nearest_ns))
@@ -112,9 +130,7 @@ class Encounters:
             first.goal_number, purpose, place + number), stay.nearest)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
             own.note(their, kind, stay.nearest, seconds, now_ns)
-        for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
-            if seconds > 0.0:
-                own.stand(their, seconds, cost.aborts, now_ns)
+        return cost
 
 
 def make_encounters(simulation: Simulation, scenario: Any) -> Optional[Encounters]:

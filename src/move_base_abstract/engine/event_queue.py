@@ -44,6 +44,10 @@ class _SpecialEvent(Event):
 
 _new_event = Event.__new__  # called without a constructor of ours, which would take most of the time
 
+#: the index of events that decide about several robots: at an instant they come after all that robots, users and
+#: processes do, so that they do not depend on the order of robots
+DECISIONS = 2 ** 31 + 7
+
 #: the listeners of a :class:`Series` that is output; time goes on for it alone only if participants listen
 NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
 
