@@ -338,7 +338,7 @@ def test_all_pairs_of_one_instant_are_judged_before_a_robot_stands_whatever_the_
     goals = {'r_11': (6.121, 10.704), 'r_13': (12.756, 12.928), 'r_8': (1.240, 1.836)}
     first, second = met(FLEET_OF_THREE, goals, 7010), met(FLEET_OF_THREE[::-1], goals, 7010)
     assert first == second
-    assert [(row.robot, row.values[0]) for row in first if row.kind == 'encounter' and row.time_ns == 1_000_000_000] == [
+    assert [(row.robot, row.values[0]) for row in first if row.kind == 'encounter' and row.time_ns == 10 ** 9] == [
         ('r_11', 'r_13'), ('r_13', 'r_11'), ('r_13', 'r_8'), ('r_8', 'r_13')]
 
 

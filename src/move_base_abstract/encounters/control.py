@@ -2,9 +2,9 @@
 
 The first instant at which two robots come within the law's radius is an event. At that instant the law determines which
 robot has to stand, and for how long. The draws depend only on the seed, the names of both robots and the numbers of
-their goals; they do not depend on the order in which the robots came, or on when they were looked at. A robot that has
-to stand is held, as for any other wait on its way; then it goes on. Robots meet after all else of an instant, and all
-pairs of one instant are judged by their ways before any robot stands: the order of robots does not matter. Two robots meet once for each pair of their goals,
+their goals; they do not depend on the order in which the robots came, or on when they were looked at. Robots meet after
+all else of an instant, and all pairs of one instant are judged by their ways before any robot stands. A robot that has
+to stand is held, as for any other wait on its way; then it goes on. Two robots meet once for each pair of their goals,
 so no robot stands for the same robot again and again.
 """
 from __future__ import annotations
