@@ -33,6 +33,7 @@ OWN_NODE = 'robot_topics_test'
 HERE = os.path.dirname(os.path.abspath(__file__))
 MAP = os.path.join(HERE, '..', '..', 'maps', 'farm_yard.yaml')
 LASER = {'scan_rate': 10.0, 'scan_beams': 181, 'scan_noise': 0.02, 'scan_x': 0.2, 'scan_y': -0.1, 'scan_yaw': 0.3,
+         'scan_z': 0.25,
          'scan_range_max': 20.0}
 ROBOTS = [dict(LASER, name='robot_0', max_speed=1.0, use_map=True, seed=5, start_x=10.0, start_y=4.0, turn_rate=1.0),
           {'name': 'robot_1', 'max_speed': 1.0, 'start_x': 14.0, 'start_y': 4.0, 'robot_radius': 0.4}]
@@ -78,11 +79,12 @@ class LaserScans(Scenario, unittest.TestCase):
     def test_they_are_those_of_the_plain_fleet_and_tf_has_the_laser_there(self):
         expected = scans_of_the_plain_fleet([int(row[1]) for row in self.rows])
         self.assertGreater(len({one for one, _ in expected.values()}), 50)
-        for _, stamp, found, count, _, x, y in self.rows:
+        for _, stamp, found, count, _, x, y, z in self.rows:
             digest, pose = expected[int(stamp)]
             self.assertEqual((found, int(count)), (digest, 181), stamp)
             self.assertAlmostEqual(float(x), pose.x, places=8)
             self.assertAlmostEqual(float(y), pose.y, places=8)
+            self.assertAlmostEqual(float(z), 0.25)
 
     def test_whether_they_are_heard_changes_nothing_that_others_are_told(self):
         deaf = run_programs({'scanner': [['--'], 'scanner.py', '_topic:=nothing']}, until=8.0, fleet=ROBOTS,

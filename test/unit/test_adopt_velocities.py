@@ -28,7 +28,7 @@ MODEL = """<robot xmlns:xacro="x"> <!-- <plugin name="a" filename="libgazebo_ros
   <xacro:property name="half" value="0.25"/><link name="base_link"><visual><geometry><box size="9 9 9"/>
   </geometry></visual>
   <collision><geometry><cylinder length="1" radius="${half}"/></geometry></collision></link>
-  <xacro:eye/></robot>"""
+  <xacro:property name="r" value="0.35"/><xacro:eye/></robot>"""
 LASER = """<robot><xacro:macro name="eye" params="r"><joint name="j" type="fixed"><parent link="chassis"/>
     <child link="eye_link"/><origin xyz="0.2 0 ${r}" rpy="0 0 1.57"/></joint>
   <gazebo reference="eye_link"><sensor type="gpu_ray" name="s"><update_rate>40</update_rate><ray><scan><horizontal>
@@ -63,6 +63,7 @@ def test_robots_that_are_only_spawned_are_driven_by_velocities_in_one_process_an
     assert 'robot_base_frame' not in shared  # nobody publishes base_link below base_footprint: our robot does
     assert (shared['scan_beams'], shared['scan_range_max'], shared['scan_topic'], shared['scan_frame']) == (
         360, 3.5, 'scan', 'base_scan')
+    assert (shared['scan_x'], shared['scan_z']) == (-0.032, 0.182)
     assert shared['odom_origin'] == [0.0, 0.0, 0.0]  # Gazebo's plugin tells the place in the world
     assert shared['cmd_vel_timeout'] == 0.0 and shared['publish_map_frame'] is False and 'use_map' not in shared
 
@@ -115,8 +116,9 @@ def test_a_model_says_its_drive_its_laser_and_its_topics_even_if_xacro_is_not_he
     shared = made.options.param[FLEET]['defaults']
     assert (shared['robot_base_frame'], shared['publish_rate'], shared['holonomic']) == ('chassis', 20.0, False)
     assert 'odom_origin' not in shared and shared['robot_radius'] == 0.25
-    assert {key: shared['scan_' + key] for key in ('rate', 'beams', 'angle_min', 'range_max', 'x', 'yaw', 'topic')} == {
-        'rate': 40.0, 'beams': 720, 'angle_min': -1.5, 'range_max': 8.0, 'x': 0.2, 'yaw': 1.57, 'topic': 'laser/scan'}
+    assert {key: shared['scan_' + key] for key in ('rate', 'beams', 'angle_min', 'range_max', 'x', 'z', 'yaw', 'topic')
+            } == {'rate': 40.0, 'beams': 720, 'angle_min': -1.5, 'range_max': 8.0, 'x': 0.2, 'z': 0.35, 'yaw': 1.57,
+                  'topic': 'laser/scan'}
     assert made.options.add[FLEET].split()[1:] == [
         '/a/base_pose_ground_truth:=/a/ground_truth/state', '/a/cmd_vel:=/a/drive',
         '/b/base_pose_ground_truth:=/b/ground_truth/state', '/b/cmd_vel:=/b/drive']
@@ -158,6 +160,7 @@ def test_robots_of_stage_have_its_frame_its_walls_its_lasers_and_its_watchdog(pa
     other = found['robot_1']
     assert (other['scan_beams'], other['scan_angle_max'], other['scan_range_min'], other['scan_topic'],
             other['scan_frame'], other['scan_rate']) == (181, math.pi / 2, 0.1, 'base_scan', 'base_laser_link', 10.0)
+    assert (robot['scan_z'], other['scan_z']) == (0.2, 0.2)  # as stage_ros says: on the body, which is 0.2 m high
     assert (robot['scan_topic'], robot['scan_frame']) == ('base_scan_0', 'base_laser_link_0')
     assert any('/robot_0/velocity_robot: it has 2 lasers in the world, and one here' in one for one in made.remarks)
     assert (robot['use_map'], robot['map_topic'], robot['publish_map_frame']) == (True, '/stage_walls/map', False)
@@ -169,7 +172,7 @@ def test_defaults_of_stage(tmp_path):
     (tmp_path / 'a.world').write_text('position ( ranger ( ) ) interval_sim 50 position ( localization "odom" )')
     found = worlds.read(str(tmp_path / 'a.world'))
     assert found.interval == 0.05
-    assert found.bodies[0] == worlds.Body(lasers=(worlds.Laser((0.0, 0.0, 0.0), 0.0, 0.0, 1, 0.0, 5.0),))
+    assert found.bodies[0] == worlds.Body(lasers=(worlds.Laser((0.0, 0.0, 0.0), 0.0, 0.0, 1, 0.0, 5.0, 1.0),))
     assert found.bodies[1].odom_error == (0.03, 0.03, 0.0, 0.05)
 
 

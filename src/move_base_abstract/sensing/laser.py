@@ -33,6 +33,7 @@ TABLE = (
     Parameter('scan_topic', 'scan', TOPIC, "Topic of the scan, in the robot's namespace."),
     Parameter('scan_x', 0.0, _ON_ROBOT, 'Position of the laser on the robot.'),
     Parameter('scan_y', 0.0, _ON_ROBOT, 'Position of the laser on the robot.'),
+    Parameter('scan_z', 0.0, _ON_ROBOT, 'Height of the laser on the robot. Only tf has it.'),
     Parameter('scan_yaw', 0.0, number(unit='rad, base frame'), 'Heading of the laser on the robot.'),
 )
 
@@ -42,7 +43,8 @@ class LaserSettings:
     """A laser scanner; ``rate`` [Hz, simulated], 0 = it publishes nothing by itself.
 
     ``angle_min`` and ``angle_max`` [rad] are the directions of the first and the last beam; ranges are in m.
-    ``noise``: the standard deviation of a range [m]; ``mount``: the pose of the laser in the robot's base frame.
+    ``noise``: the standard deviation of a range [m]; ``mount``: the pose of the laser in the robot's base frame,
+    ``height``: its height above it [m], which only tf has.
     """
 
     rate: float = 0.0
@@ -53,6 +55,7 @@ class LaserSettings:
     range_max: float = 10.0
     noise: float = 0.0
     mount: Pose2D = Pose2D()
+    height: float = 0.0
 
     @property
     def angle_increment(self) -> float:
@@ -72,7 +75,7 @@ def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
                         f' with scan_{what}_max: {high:g}')
     return LaserSettings(values['scan_rate'], values['scan_beams'], values['scan_angle_min'], values['scan_angle_max'],
                          values['scan_range_min'], values['scan_range_max'], values['scan_noise'],
-                         Pose2D(values['scan_x'], values['scan_y'], values['scan_yaw']))
+                         Pose2D(values['scan_x'], values['scan_y'], values['scan_yaw']), values['scan_z'])
 
 
 class Scan(NamedTuple):

@@ -46,7 +46,7 @@ def _of_stage(config, body, stages):
     remarks = []
     if body.lasers:
         laser = body.lasers[0]
-        params.update(zip(('scan_x', 'scan_y', 'scan_yaw'), laser.pose))
+        params.update(zip(('scan_x', 'scan_y', 'scan_yaw'), laser.pose), scan_z=laser.height)
         params.update(
             scan_rate=1.0 / stage.interval, scan_beams=laser.beams, scan_angle_min=laser.first,
             scan_angle_max=laser.last, scan_range_min=laser.nearest, scan_range_max=laser.farthest,

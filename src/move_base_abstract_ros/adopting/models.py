@@ -23,16 +23,17 @@ _JOINT = re.compile(r'<joint\s.*?</joint>', re.DOTALL)
 _DRIVES = ('gazebo_ros_diff_drive', 'gazebo_ros_skid_steer_drive', 'gazebo_ros_planar_move')
 _LARGEST = 1 << 20  # characters of a file
 _MOST_FILES = 50
-#: the TurtleBot3s, by their public descriptions: radius [m] or outline, and x of the laser [m]
-_TURTLEBOTS = {'burger': ({'robot_radius': 0.105}, -0.032),
-               'waffle': ({'footprint': [[-0.205, -0.155], [-0.205, 0.155], [0.077, 0.155], [0.077, -0.155]]}, -0.064)}
+#: the TurtleBot3s, by their public descriptions: radius [m] or outline, and (x, z) of the laser in base_footprint [m]
+_TURTLEBOTS = {'burger': ({'robot_radius': 0.105}, (-0.032, 0.182)),
+               'waffle': ({'footprint': [[-0.205, -0.155], [-0.205, 0.155], [0.077, 0.155], [0.077, -0.155]]},
+                          (-0.064, 0.132))}
 _OF_TURTLEBOT = re.compile(r'turtlebot3_(burger|waffle)')
 _TURTLEBOT = """<plugin filename="gazebo_ros_diff_drive"><updateRate>30</updateRate>
   <robotBaseFrame>base_footprint</robotBaseFrame></plugin>
 <sensor type="ray"><update_rate>5</update_rate><samples>360</samples><min_angle>0.0</min_angle>
   <max_angle>6.28319</max_angle><min>0.120</min><max>3.5</max><stddev>0.01</stddev>
   <topicName>scan</topicName><frameName>base_scan</frameName></sensor>
-<joint><child link="base_scan"/><origin xyz="{} 0 0"/></joint>"""
+<joint type="fixed"><child link="base_scan"/><origin xyz="{} 0 {}"/></joint>"""
 
 
 def text_of(config, node):
@@ -50,8 +51,8 @@ def text_of(config, node):
         paths = [word for word in [*poses.words_of(command), named.get('-file', '')] if os.path.isfile(word)]
         text = _read(paths, [])
     known = _OF_TURTLEBOT.search('{} {}'.format(command, text[:_LARGEST]))
-    size, laser_x = _TURTLEBOTS[known.group(1)] if known else (_size_of(text), 0.0)
-    return text or (_TURTLEBOT.format(laser_x) if known else ''), size
+    size, laser = _TURTLEBOTS[known.group(1)] if known else (_size_of(text), ())
+    return text or (_TURTLEBOT.format(*laser) if known else ''), size
 
 
 def _command_of(config, node, name):
@@ -122,22 +123,23 @@ def laser_of(text):
             continue
         beams, first, last, rate, noise, nearest, farthest = numbers
         frame = tags.get('frameName', 'base_laser_link').lstrip('/')
-        x, y, yaw = _place_of(text, frame)
+        x, y, z, yaw = _place_of(text, frame)
         return {'scan_rate': rate, 'scan_beams': int(beams), 'scan_angle_min': first, 'scan_angle_max': last,
                 'scan_range_min': nearest, 'scan_range_max': farthest, 'scan_noise': noise, 'scan_frame': frame,
-                'scan_topic': tags.get('topicName', 'scan'), 'scan_x': x, 'scan_y': y, 'scan_yaw': yaw}
+                'scan_topic': tags.get('topicName', 'scan'), 'scan_x': x, 'scan_y': y, 'scan_z': z,
+                'scan_yaw': yaw}
     return {}
 
 
 def _place_of(text, frame):
-    """Return (x [m], y [m], yaw [rad]) of a fixed link on its parent, as far as it is written in numbers."""
+    """Return (x, y, z [m], yaw [rad]) of a fixed link on its parent, as far as it is written in numbers."""
     for joint in _JOINT.findall(text):
         if re.search(r'<child\s+link\s*=\s*"{}"'.format(re.escape(frame)), joint):
             found = [re.search(r'{}\s*=\s*"([^"]*)"'.format(key), joint) for key in ('xyz', 'rpy')]
             xyz, rpy = (one.group(1).split() if one else [] for one in found)
-            x, y, _z = [*map(_float, xyz), 0.0, 0.0, 0.0][:3]
-            return x or 0.0, y or 0.0, ([*map(_float, rpy), 0.0, 0.0, 0.0][2] or 0.0)
-    return 0.0, 0.0, 0.0
+            x, y, z = [*map(_float, xyz), 0.0, 0.0, 0.0][:3]
+            return x or 0.0, y or 0.0, z or 0.0, ([*map(_float, rpy), 0.0, 0.0, 0.0][2] or 0.0)
+    return 0.0, 0.0, 0.0, 0.0
 
 
 def _tags(body):

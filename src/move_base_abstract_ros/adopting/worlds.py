@@ -64,7 +64,7 @@ class Body(NamedTuple):
 
 
 class Laser(NamedTuple):
-    """A laser: its pose on the robot [m, m, rad], angles [rad], number of beams, ranges [m]."""
+    """A laser: its pose on the robot [m, m, rad], angles [rad], number of beams, ranges [m], height [m] in tf."""
 
     pose: tuple
     first: float
@@ -72,6 +72,7 @@ class Laser(NamedTuple):
     beams: int
     nearest: float
     farthest: float
+    height: float
 
 
 class Floor(NamedTuple):
@@ -146,7 +147,8 @@ class _Stage:
             yield from self.robots(part, pose, depth + 1)
 
     def _body(self, values, parts):
-        size, centre = self._numbers(values, 'size', (0.4, 0.4)), self._numbers(values, 'origin', (0.0, 0.0))
+        length, width, height = self._numbers(values, 'size', (0.4, 0.4, 1.0))
+        centre = self._numbers(values, 'origin', (0.0, 0.0))
         bounds = self._numbers(values, 'velocity_bounds', (-1.0, 1.0) * 3)
         turning = tuple(self._angle(word, one) for word, one in zip(
             [*values.get('velocity_bounds', [])[6:], '', ''], Body().bounds[2]))
@@ -154,12 +156,13 @@ class _Stage:
             [*values.get('odom_error', []), *[''] * 4], (0.03, 0.03, 0.0, 0.05)))
         is_wrong = _first(values, 'localization') == 'odom' and any(errors)
         rangers = [found for found in map(self._resolved, parts) if found[0] in ('ranger', 'laser')]
-        return Body(size, centre, _first(values, 'drive') == 'omni', (bounds[:2], bounds[2:4], turning),
+        return Body((length, width), centre, _first(values, 'drive') == 'omni', (bounds[:2], bounds[2:4], turning),
                     self._pose(values, 'localization_origin') if values.get('localization_origin') else None,
                     errors if is_wrong else None,
-                    tuple(self._laser(values, parts) for _kind, values, parts in rangers))
+                    tuple(self._laser(height, values, parts) for _kind, values, parts in rangers))
 
-    def _laser(self, values, parts):
+    def _laser(self, height, values, parts):
+        """Return the Laser of a ranger's values and parts; it stands on the robot, ``height`` [m] above its base."""
         x, y, yaw = self._pose(values) or (0.0, 0.0, 0.0)
         sensor = next((found[1] for found in map(self._resolved, parts) if found[0] == 'sensor'), values)
         within = sensor is not values and self._pose(sensor) or (0.0, 0.0, 0.0)
@@ -168,8 +171,9 @@ class _Stage:
         beams = max(1, int(_finite(_first(sensor, 'samples'), 1.0)))
         farthest, = self._numbers(sensor, 'range_max', (5.0,))
         nearest, farthest = self._numbers(sensor, 'range', (0.0, farthest))
+        height += self._metre * _finite(_four(values.get('pose', []))[2], 0.0)
         return Laser((x + dx, y + dy, yaw + within[2]), -fov / 2 if beams > 1 else 0.0, fov / 2 if beams > 1 else 0.0,
-                     beams, max(0.0, nearest), farthest)
+                     beams, max(0.0, nearest), farthest, height)
 
     def _angle(self, word, default):
         found = _number(word)
@@ -206,8 +210,7 @@ class _Stage:
 
     def _pose(self, values, key='pose'):
         """Return (x [m], y [m], yaw [rad]), or None. The yaw is the last of three or four numbers."""
-        words = values.get(key, [])
-        words = [*words[:2], '0', words[2]] if len(words) == 3 else [*words, *'0000'][:4]
+        words = _four(values.get(key, []))
         pose = self._metre * _number(words[0]), self._metre * _number(words[1]), self._radians(_number(words[3]))
         return pose if all(map(math.isfinite, pose)) else None
 
@@ -282,6 +285,11 @@ def _entry(model, words, at, depth):
 
 def _text(found):
     return found.group() if found.group(1) is None else found.group(1)
+
+
+def _four(words):
+    """Return the words of a pose: x, y, z, yaw."""
+    return [*words[:2], '0', words[2]] if len(words) == 3 else [*words, *'0000'][:4]
 
 
 def _first(values, key):

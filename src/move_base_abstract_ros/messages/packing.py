@@ -123,11 +123,11 @@ class InFrame:
         """Return a geometry_msgs/PoseStamped with stamp 0, position ``x``, ``y`` [m] and heading ``yaw`` [rad]."""
         return self._pose.pack(0, 0, 0, *self._frame, x, y, 0.0, *quaternion_of_yaw(yaw))
 
-    def transform(self, pose: Any, stamp_ns: int) -> bytes:
-        """Return the geometry_msgs/TransformStamped that puts the child frame at ``pose`` (Pose2D)."""
+    def transform(self, pose: Any, stamp_ns: int, height: float = 0.0) -> bytes:
+        """Return the geometry_msgs/TransformStamped that puts the child frame at ``pose`` (Pose2D), ``height`` [m]."""
         half = pose.yaw / 2.0
         return self._pose_of_child.pack(0, stamp_ns // NS_PER_S, stamp_ns % NS_PER_S, *self._frames,
-                                        pose.x, pose.y, 0.0, 0.0, 0.0, sin(half), cos(half))
+                                        pose.x, pose.y, height, 0.0, 0.0, sin(half), cos(half))
 
     def odometry(self, seq: int, pose: Pose2D, velocity: Tuple[float, float, float], stamp_ns: int) -> bytes:
         """Return a nav_msgs/Odometry, all variances 0; ``velocity`` is (forward, lateral [m/s], turning [rad/s])."""

@@ -75,7 +75,8 @@ class ScanPublisher:
         return self._clock.wall_to_ns(self._throttle.remaining())
 
     def _mount(self, stamp_ns: int) -> List[bytes]:
-        return [self._laser_in_base.transform(self._laser.settings.mount, stamp_ns)]
+        laser = self._laser.settings
+        return [self._laser_in_base.transform(laser.mount, stamp_ns, laser.height)]
 
     def _present_mount(self) -> Optional[Tuple[int, Callable[[int], List[bytes]]]]:
         now_ns = self._clock.newcomers_ns()

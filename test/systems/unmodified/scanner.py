@@ -12,7 +12,8 @@ from sensor_msgs.msg import LaserScan
 def on_scan(scan):
     place = buffer.lookup_transform('map', scan.header.frame_id, scan.header.stamp).transform
     print('scan', scan.header.stamp, hashlib.sha1(struct.pack('<%df' % len(scan.ranges), *scan.ranges)).hexdigest(),
-          len(scan.ranges), scan.angle_increment, '%.9f' % place.translation.x, '%.9f' % place.translation.y)
+          len(scan.ranges), scan.angle_increment, '%.9f' % place.translation.x, '%.9f' % place.translation.y,
+          place.translation.z)
 
 
 rospy.init_node('scanner')
