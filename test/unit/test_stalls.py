@@ -161,6 +161,17 @@ def test_two_that_creep_at_one_another_both_stall_once_in_any_order_of_robots():
         ('a', 'driven'), ('b', 'driven'), ('a', 'stalled'), ('a', 'stands'), ('b', 'stalled'), ('b', 'stands')]
 
 
+@pytest.mark.parametrize('speed', [1e-8, 1e-7, 1e-5])
+def test_two_that_stand_at_one_another_and_creep_nearer_do_not_set_one_another_off_for_ever(speed):
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), ('b', 3.6002, 5.0, np.pi))
+    fleet.robot('a').drive(0.001)
+    fleet.run(2 * S)
+    fleet.robot('b').drive(speed)
+    fleet.robot('a').drive(9e-6)
+    fleet.run(2 * S + 10 * MS)
+    assert len(rows(fleet, 'driven', 'stalled', 'stands')) < 9
+
+
 def test_of_two_that_touch_only_the_one_stalls_that_drives_at_the_other():
     fleet = fleet_of(('fast', 2.0, 5.0, 0.0), ('slow', 4.0, 5.0, 0.0), ('still', 9.0, 5.0, 0.0))
     fleet.robot('fast').drive(1.0)

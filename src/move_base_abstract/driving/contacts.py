@@ -141,12 +141,11 @@ class Body:
     def is_blocked(self, motion: Motion, now_ns: int) -> bool:
         """Return whether the robot would touch something at once, if it began ``motion`` at ``now_ns`` [ns]."""
         moves_ns = next((piece.begin_ns for piece in motion.pieces if piece.v or piece.w), now_ns)
-        until_ns = moves_ns + AT_ONCE_NS
+        until_ns, at_once_ns = moves_ns + LOOK_NS, moves_ns + AT_ONCE_NS
         spans = self.spans(motion, now_ns, until_ns)
-        self.stands_at = next((
-            other for other in self._contacts.others(self, now_ns) if _meeting_ns(
-                self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns) is not None), None)
-        return self.stands_at is not None or self.touches_wall(spans, now_ns) is not None
+        self.stands_at = next((other for other in self._contacts.others(self, now_ns) if _before(
+            at_once_ns, _meeting_ns(self, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns))), None)
+        return self.stands_at is not None or _before(at_once_ns, self.touches_wall(spans, now_ns))
 
     def nears(self, other: Body, now_ns: int) -> bool:
         """Return whether the robot would touch ``other`` at once if that one stood from ``now_ns`` [ns] on."""
@@ -194,6 +193,10 @@ class _Meeting:
             body.stall(now_ns, other.robot.name)
         for body, other in stalling:  # only now, so that the stall of the one is no reason for the other to try again
             body.stands_at = other
+
+
+def _before(limit_ns: int, touch_ns: Optional[int]) -> bool:
+    return touch_ns is not None and touch_ns < limit_ns
 
 
 def _meeting_ns(one: Body, ones: _Spans, other: Body, others: _Spans, now_ns: int) -> Optional[int]:
