@@ -26,6 +26,15 @@ def normalize_angle(angle: float) -> float:
     return wrapped - math.copysign(_TWO_PI, wrapped)
 
 
+def is_within(edges: Iterable[Tuple[Tuple[float, float], Tuple[float, float]]], x: float, y: float) -> bool:
+    """Return whether a ray from (x, y) crosses the ``edges`` (begin, end), ... of a polygon an odd number of times."""
+    found = False
+    for (ax, ay), (bx, by) in edges:
+        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+            found = not found
+    return found
+
+
 def share_along(begin: Tuple[float, float], end: Tuple[float, float], x: float, y: float) -> float:
     """Return the share, 0..1, of the straight piece from ``begin`` to ``end`` at which it is nearest to (x, y).
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, List, NamedTuple, Optional, Sequence, Tuple
 
+from ..common.geometry import is_within
 from ..engine.instants import first_ns
 from ..motion.pieces import Piece, pose_of
 
@@ -30,6 +31,7 @@ OVERLAP = 1e-7  # m
 _ROUNDING = 1e-12  # m; standing gaps that differ by less are the same
 _NS_PER_S = 1e9
 _INF = math.inf
+_Side = Tuple[Tuple[float, float], Tuple[float, float]]
 _Plane = Tuple[float, float, float]  # the gap [m], and the unit vector from one body to the other across it
 _Corner = Tuple[float, float, float]  # its way to the plane [m], its speed [m/s] and acceleration [m/s^2] towards it
 
@@ -65,7 +67,7 @@ def disc(radius: float) -> Shape:
 
 def polygon(points: Points) -> Shape:
     """Return the :class:`Shape` of a polygon; one that is not convex consists of its sides and its inside."""
-    sides = list(zip(points, (*points[1:], points[0])))
+    sides = _sides(points)
     turns = [(x - a) * (d - b) - (y - b) * (c - a) for (a, b), (c, d) in sides for x, y in points]
     is_convex = all(turn <= 1e-12 for turn in turns) or all(turn >= -1e-12 for turn in turns)
     reach = max(math.hypot(x, y) for x, y in points) * (1.0 + 1e-12)
@@ -114,7 +116,8 @@ def standing(points: Points) -> Course:
 def gap_of(one: Course, other: Course, now_ns: int) -> float:
     """Return the gap [m] between two bodies at ``now_ns`` [ns], 0 if they overlap."""
     for body, inside in ((one, other), (other, one)):
-        if _holds(body.corners(now_ns, body.shape.outline), inside.corners(now_ns, inside.shape.parts[0])[0]):
+        corner, = inside.corners(now_ns, inside.shape.parts[0][:1])
+        if is_within(_sides(body.corners(now_ns, body.shape.outline)), *corner):
             return 0.0
     least = min(_part_gap(one.corners(now_ns, part), other.corners(now_ns, their))
                 for part in one.shape.parts for their in other.shape.parts)
@@ -208,20 +211,14 @@ def _nearest(ones: Points, others: Points, sign: float) -> _Plane:
 
 def _part_gap(ones: Points, others: Points) -> float:
     """Return the gap [m] between two convex bodies of which neither is inside of the other, 0 if their sides cross."""
-    for (a, b), (c, d) in zip(ones, (*ones[1:], ones[0])):
-        for (e, f), (g, h) in zip(others, (*others[1:], others[0])):
+    for (a, b), (c, d) in _sides(ones):
+        for (e, f), (g, h) in _sides(others):
             if ((c - a) * (f - b) - (d - b) * (e - a)) * ((c - a) * (h - b) - (d - b) * (g - a)) < 0.0 and (
                     ((g - e) * (b - f) - (h - f) * (a - e)) * ((g - e) * (d - f) - (h - f) * (c - e)) < 0.0):
                 return 0.0
     return _between(ones, others)[0]
 
 
-def _holds(outline: Points, point: Tuple[float, float]) -> bool:
-    """Return whether ``point`` is inside of the polygon ``outline``: whether a ray from it crosses it an odd time."""
-    x, y = point
-    inside = False
-    for (a, b), (c, d) in zip(outline, (*outline[1:], *outline[:1])):
-        if (b > y) != (d > y) and x < a + (y - b) / (d - b) * (c - a):
-            inside = not inside
-    return inside
+def _sides(points: Points) -> List[_Side]:
+    return list(zip(points, (*points[1:], *points[:1])))
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import List, Optional, Sequence, Tuple
 
-from ..motion.geometry import share_along
+from ..common.geometry import is_within, share_along
 
 BORDER = 1e-6  # m; a point as near to the border as this is on it
 MAX_POINTS = 200
@@ -44,15 +44,7 @@ class Outline:
         x_min, y_min, x_max, y_max = self.box
         if not (x_min < x < x_max and y_min < y < y_max):
             return False
-        return self._is_within(x, y) and all(_distance(edge, x, y) > BORDER for edge in self._edges)
-
-    def _is_within(self, x: float, y: float) -> bool:
-        """Return whether a ray from (x, y) crosses the border an odd number of times."""
-        is_within = False
-        for (ax, ay), (bx, by) in self._edges:
-            if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
-                is_within = not is_within
-        return is_within
+        return is_within(self._edges, x, y) and all(_distance(edge, x, y) > BORDER for edge in self._edges)
 
     def pieces_inside(self, way: Sequence[Tuple[float, float]]) -> List[Tuple[float, float]]:
         """Return the pieces of ``way`` ((x, y), ...) [m] that are inside: [(from, to), ...] in m along it, in order.
