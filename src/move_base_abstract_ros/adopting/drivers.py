@@ -2,7 +2,7 @@
 import math
 from typing import NamedTuple
 
-from . import kinds, models, poses
+from . import kinds, models, poses, served
 
 NODE = 'velocity_robot'
 #: {type of a controller: whether it drives sideways}
@@ -94,14 +94,7 @@ def _controller_of(config, namespace):
     for key, param in config.params.items():
         if key.startswith(namespace) and key.endswith('/type') and param.value in _CONTROLLERS:
             name = key[len(namespace):-len('/type')]
-            values = {}
-            for full, one in config.params.items():
-                if full.startswith(namespace + name + '/'):
-                    *above, last = full[len(namespace + name) + 1:].split('/')
-                    here = values
-                    for part in above:
-                        here = here.setdefault(part, {})
-                    here[last] = one.value
+            values = served.below(namespace + name, {full: one.value for full, one in config.params.items()})
             return name, values, _CONTROLLERS[param.value]
     return None
 

@@ -37,6 +37,22 @@ def _frame(value):
         return str(value)
 
 
+def below(name, values):
+    """Return the values {full name: value} below a name as the parameter server nests them: {key: value or mapping}."""
+    found = {}
+    for key, value in values.items():
+        if key.startswith(name + '/'):
+            *above, last = key[len(name) + 1:].split('/')
+            here = found
+            for part in above:
+                here = here.setdefault(part, {})
+                if not isinstance(here, dict):
+                    break
+            else:
+                here[last] = value
+    return found
+
+
 def nearest(name, key, values):
     """Return the value of the parameter ``key`` in the namespace ``name`` or the nearest one above it that has it."""
     parts = name.strip('/').split('/')

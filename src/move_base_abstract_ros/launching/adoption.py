@@ -352,16 +352,7 @@ class _Adoption:
         values = self.values()
         found = {key: value for key in INHERITED for value in [served.nearest(name, key, values)] if value is not None}
         found.update({'driven_by': 'velocities'} if name.endswith('/' + robots.OWN[2]) else {})
-        for key, value in values.items():
-            if key.startswith(name + '/'):
-                *above, last = key[len(name) + 1:].split('/')
-                here = found
-                for part in above:
-                    here = here.setdefault(part, {})
-                    if not isinstance(here, dict):
-                        break
-                else:
-                    here[last] = value
+        found.update(served.below(name, values))
         found.update(zip(start_poses.PLACED, self.starts.get(name) or self.options.start.get(name) or ()))
         return {key: value for key, value in found.items() if key not in _READ_ELSEWHERE}
 

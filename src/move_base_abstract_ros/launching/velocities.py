@@ -149,14 +149,8 @@ def gathered(adoption, options):
 
 def _table(robot, name, options):
     """Return the row of a robot in a fleet's scenario: its name, its place, its parameters."""
-    row = {'name': name, **dict(zip(('start_x', 'start_y', 'start_yaw'), options.start.get(robot.name, ())))}
-    for key, value in given.single({key: value for key, value in options.param.items()
-                                    if (key + '/').startswith(robot.name + '/')}):
-        *above, last = key[len(robot.name) + 1:].split('/')
-        here = row
-        for part in above:
-            here = here.setdefault(part, {})
-        here[last] = value
+    row = {'name': name, **dict(zip(('start_x', 'start_y', 'start_yaw'), options.start.get(robot.name, ()))),
+           **served.below(robot.name, dict(given.single(options.param)))}
     if row.get('tf_prefix') == name:
         del row['tf_prefix']  # a fleet's own default
     return row
