@@ -121,6 +121,16 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
         plain = self.check_rows(self.scenario(NARROW), {'gave_way', 'priority', 'entered', 'held', 'order_done'})
         self.assertEqual(sum(row[2] == 'order_done' for row in plain), 50)
 
+    def test_they_are_also_where_robots_look_ahead(self):
+        text = SCENARIO
+        for old, new in (('capacity: 0.4, charging_current: 3.0', 'capacity: 0.2, charging_current: 20.0'),
+                         ('duration: 6.0', 'duration: 60.0'), ('charge_below: 0.5', 'charge_below: 0.1'),
+                         ('charge_when_idle: 0.7', 'charge_full: 0.9, charge_reserve: 0.05')):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        plain = self.check_rows(self.scenario(text), {'charge_assigned', 'order_returned', 'order_done'})
+        self.assertIn('charge too low', str([row for row in plain if row[2] == 'order_returned']))
+
     def test_a_users_policy_is_taken_by_its_name_and_a_wrong_one_moves_nobody(self):
         scenario = self.scenario(kind='abort')
         _, events = self.orders(scenario, 'policy:=own_policies:Last')

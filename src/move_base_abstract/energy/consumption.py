@@ -73,5 +73,12 @@ class LegEnergy:
                 self._half_moment * turning * turning)
 
 
+def energy_of_way(distance: float, speed: float, mechanics: Mechanics) -> float:
+    """Return the energy [J] of a straight way of ``distance`` [m] from rest to rest, up to ``speed`` [m/s]."""
+    if distance <= 0.0:
+        return 0.0
+    return mechanics.mass * speed * speed + mechanics.friction_coefficient * mechanics.mass * GRAVITY * distance
+
+
 def _change(one: Tuple[float, float], other: Tuple[float, float]) -> float:
     return abs(one[0] - other[0]) + abs(one[1] - other[1])

@@ -137,7 +137,9 @@ class Dispatch:
 
     def _happened(self, entry: TraceEntry) -> None:
         if self.core.hears(entry.robot, entry.kind):
-            self.core.happened(entry.robot, entry.kind, entry.values)
+            warning = self.core.happened(entry.robot, entry.kind, entry.values)
+            if warning is not None:
+                self.fleet._note(FleetWarning(entry.time_ns, entry.robot, '', warning))
             self._decisions.soon(self.fleet.now_ns)
         if self._on_event is not None:
             self._on_event(entry)

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 from ..common.errors import ConfigurationError, SimulatorError
 from ..common.units import NS_PER_S
+from ..energy.consumption import energy_of_way
 from ..maps.lane_map import LaneMap
 from ..motion.geometry import Pose2D
+from ..motion.leg import trip
 from ..orders.charging import Charger
 from ..orders.dispatcher import Command, Dispatcher
 from ..orders.fleet_state import RobotStart
@@ -16,6 +18,8 @@ from ..orders.policies import Point
 from .robot_parts import make_planner
 
 if TYPE_CHECKING:
+    from ..config.settings import RobotSettings
+    from ..energy.battery import BatterySettings
     from ..engine.event_queue import EventQueue
     from ..orders.policies import Policy
     from ..orders.rows import Row
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
 CHARGE_LOOK_NS = 60 * NS_PER_S
 _KEPT_WAYS = 10_000
 _MM = 1000.0
+_MOST_TOLD = 5  # levels in an error
 
 
 class Decisions:
@@ -81,8 +86,17 @@ def starts_of(scenario: Scenario) -> List[RobotStart]:
     for spec in scenario.robots:
         battery = spec.settings.battery
         found.append(RobotStart(spec.name, spec.settings.start, None if battery is None else battery.start,
-                                spec.settings.values['priority']))
+                                spec.settings.values['priority'],
+                                None if battery is None else partial(_takes, battery, spec.settings)))
     return found
+
+
+def _takes(battery: BatterySettings, settings: RobotSettings, way: int, seconds: float, joules: float) -> float:
+    """Return the share of a full battery that a way [mm] and work [s, J] take; see LookAhead."""
+    speed, _, driving = trip(way / _MM, settings.limits.max_speed, settings.limits.acceleration)
+    lasts: float = driving * settings.values['duration_factor'] + settings.values['goal_overhead'] + seconds
+    taken = energy_of_way(way / _MM, speed, battery.mechanics) + battery.ambient_power * lasts + joules
+    return taken / battery.energy
 
 
 def chargers_of(scenario: Scenario) -> List[Charger]:
@@ -118,7 +132,8 @@ def check_levels(scenario: Scenario, settings: DispatchSettings, where: str) -> 
             raise ConfigurationError(
                 "{}: charge: robot '{}' does not report when its charge passes {}; allowed: with that among its "
                 "battery_thresholds, to which the scenario's key dispatcher adds it".format(
-                    where, spec.name, ', '.join('{:g}'.format(level) for level in missing)))
+                    where, spec.name, ', '.join('{:g}'.format(level) for level in missing[:_MOST_TOLD]) + (
+                        ', ...' if len(missing) > _MOST_TOLD else '')))
 
 
 def inner_point(outline: Outline) -> Point:

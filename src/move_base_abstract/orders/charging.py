@@ -1,10 +1,13 @@
 """When and where robots charge: thresholds, chargers with limited room, a queue, and charging while idle.
 
 A robot below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
-``charge_until``. It goes to the nearest charger with room; of equally near ones, to the first in the scenario. If there
-is none, the robot waits where it stands. Robots are served in the order in which they began to wait, at one instant by
-lower index. A robot that is charged enough and has no order leaves its charger if another robot waits for one; it
-drives to where it started.
+``charge_until``. With ``charge_reserve`` robots look ahead (:mod:`.look_ahead`): a robot also goes to charge while its
+charge is still enough for the way, or if it lacks the charge for all open orders. It goes to the nearest charger with
+room; of equally near ones, to the first in the scenario. If there is none, the robot waits where it stands; if it looks
+ahead and its charge would soon be too low for the way, it waits at the border of the nearest charger. Robots are served
+in the order in which they began to wait, at one instant by lower index. A robot that is charged enough and has no order
+leaves its charger if another robot waits for one, with ``charge_full`` at this charge at the earliest; it drives to
+where it started.
 """
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 from ..motion.geometry import Pose2D
 from . import rows
 from .fleet_state import AT_CHARGER, FREE, HOMING, TO_CHARGER, RobotState
-from .policies import Distance
+from .look_ahead import LookAhead
+from .policies import Distance, OpenOrder
 from .settings import DispatchSettings
 
 
@@ -37,8 +41,9 @@ class Charging:
     """
 
     def __init__(self, settings: DispatchSettings, chargers: Sequence[Charger], distance: Distance, send: Send,
-                 tell: Tell) -> None:
+                 tell: Tell, ahead: Optional[LookAhead] = None) -> None:
         self._settings = settings
+        self._ahead = ahead
         self._chargers = {charger.name: charger for charger in chargers}
         self._distance = distance
         self._send = send
@@ -55,10 +60,20 @@ class Charging:
                 robot.phase = FREE
             if robot.is_charging and robot.phase == FREE and not robot.goal_id:  # it has come to stand in a charger
                 robot.phase, robot.charger, robot.awaits_charger_since = AT_CHARGER, robot.stands_in, None
-            if robot.must_charge and not robot.is_below(self._settings.charge_until):
-                robot.must_charge, robot.awaits_charger_since = False, None
-            elif not robot.must_charge and robot.is_below(self._settings.charge_below):
+            must_go = self._ahead is not None and self._ahead.must_go(robot)
+            if robot.must_charge and not must_go and not robot.is_below(self._settings.charge_until) and (
+                    not robot.wants or robot.is_charging and robot.wants <= (robot.charge or 0)):
+                robot.must_charge, robot.awaits_charger_since, robot.wants = False, None, 0
+            elif not robot.must_charge and (must_go or robot.is_below(self._settings.charge_below)):
                 robot.must_charge = True
+
+    def lack(self, robots: Sequence[RobotState], orders: Sequence[OpenOrder]) -> None:
+        """Note which of ``robots``, which are free and got none of ``orders``, must charge to do one of them."""
+        if self._ahead is not None:
+            for robot in robots:
+                wants = self._ahead.wanted(robot, orders) if robot.order is None else 0
+                if wants and not (robot.is_charging and wants <= (robot.charge or 0)):
+                    robot.must_charge, robot.wants = True, wants
 
     def ended(self, robot: RobotState, succeeded: bool, now_ns: int) -> None:
         """Note that the robot's way to a charger, or home from one, has ended."""
@@ -89,11 +104,13 @@ class Charging:
             if robot.must_charge and robot.phase == FREE and not robot.is_out_of_order:
                 if robot.awaits_charger_since is None:
                     self._number += 1
-                    robot.awaits_charger_since = self._number
+                    robot.awaits_charger_since, robot.waits_from_ns = self._number, now_ns
                     robot.is_told_to_wait = False
                 waiting.append(robot)
         for robot in sorted(waiting, key=lambda one: one.awaits_charger_since or 0):
             charger = self._nearest(robot, robots, now_ns)
+            if charger is None and self._ahead is not None and self._ahead.must_go(robot):
+                charger = self._nearest(robot, (), now_ns)  # it waits there, at the border of the zone
             if charger is not None:
                 self._go(robot, charger, rows.LOW, now_ns)
             elif not robot.is_told_to_wait:
@@ -104,14 +121,21 @@ class Charging:
         """Make room for waiting robots; send idle robots to charge if the settings say so."""
         waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
                    and not robot.is_out_of_order]
+        taken = _taken(robots)
         for robot in robots:
             if robot.must_charge or robot.is_out_of_order:
                 continue
-            if waiters and robot.phase == AT_CHARGER:
+            room = self._chargers[robot.charger].capacity if robot.charger else None
+            is_awaited = room is not None and taken[robot.charger] > room  # a robot waits at its border
+            if (waiters or is_awaited) and robot.phase == AT_CHARGER and not robot.is_below(
+                    self._settings.charge_full or 0.0):
+                if is_awaited:
+                    taken[robot.charger] -= 1
+                else:
+                    waiters.pop()
                 self.leave(robot)
                 self._send(robot, robot.home, 'home.{}'.format(now_ns))
                 robot.phase = HOMING
-                waiters.pop()
             elif robot.phase == FREE and self._settings.charge_when_idle and not waiters and robot.is_below(
                     self._settings.charge_when_idle):
                 charger = self._nearest(robot, robots, now_ns)
@@ -124,10 +148,7 @@ class Charging:
         self._send(robot, charger.pose, 'charge.{}'.format(now_ns))
 
     def _nearest(self, robot: RobotState, robots: Sequence[RobotState], now_ns: int) -> Optional[Charger]:
-        taken: Dict[str, int] = {}
-        for one in robots:
-            if one.charger:
-                taken[one.charger] = taken.get(one.charger, 0) + 1
+        taken = _taken(robots)
         found: List[Tuple[Any, ...]] = []
         for index, charger in enumerate(self._chargers.values()):
             if (charger.capacity is not None and taken.get(charger.name, 0) >= charger.capacity) or (
@@ -137,3 +158,12 @@ class Charging:
             if away is not None:
                 found.append((away, index, charger))
         return min(found)[2] if found else None
+
+
+def _taken(robots: Sequence[RobotState]) -> Dict[str, int]:
+    """Return {charger: the number of robots that are there or on their way}."""
+    taken: Dict[str, int] = {}
+    for one in robots:
+        if one.charger:
+            taken[one.charger] = taken.get(one.charger, 0) + 1
+    return taken

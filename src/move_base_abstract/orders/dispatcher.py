@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 
 from ..common.errors import ConfigurationError, SimulatorError
 from ..common.shown import shown, shown_text
+from ..common.units import NS_PER_S
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task
 from ..tasks.places import Place
@@ -21,12 +22,14 @@ from .fleet_state import (
     FREE,
     FULL_CHARGE,
     HEARD,
+    HEARD_AHEAD,
     OTHERS,
     WORKING,
     RobotStart,
     RobotState,
     make_states,
 )
+from .look_ahead import LookAhead
 from .order import LOAD, UNLOAD, Order, fault_of
 from .policies import Distance, OpenOrder, Policy, Question
 from .settings import RESTART, DispatchSettings
@@ -74,8 +77,12 @@ class Dispatcher:
     def __init__(self, starts: Sequence[RobotStart], chargers: Sequence[Charger], places: Mapping[str, Place],
                  settings: DispatchSettings, policy: Policy, distance: Distance,
                  tell: Callable[[rows.Row], object]) -> None:
-        levels = (FULL_CHARGE, *settings.levels) if FULL_CHARGE in (
-            settings.charge_until, settings.charge_when_idle) else settings.levels
+        reserve = settings.charge_reserve if chargers else None
+        levels = (FULL_CHARGE, *settings.levels) if reserve is not None or FULL_CHARGE in (
+            settings.charge_until, settings.charge_when_idle, settings.charge_full) else settings.levels
+        self._ahead = None if reserve is None else LookAhead(
+            reserve, [(one.pose.x, one.pose.y) for one in chargers], distance,
+            {one.name: one.takes for one in starts if one.takes is not None})
         self._states = make_states(starts, levels)
         #: the states of the robots (RobotState), by their indices
         self.robots = list(self._states.values())
@@ -84,7 +91,7 @@ class Dispatcher:
         self._policy = policy
         self._distance = distance
         self._take_row = tell
-        self._charging = Charging(settings, chargers, distance, self._send, self._tell)
+        self._charging = Charging(settings, chargers, distance, self._send, self._tell, self._ahead)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
         self._in_turn: List[OpenOrder] = []  # the same by priority, then arrival
         self._turns: List[Tuple[int, int]] = []  # by which they are sorted
@@ -116,11 +123,17 @@ class Dispatcher:
 
     def hears(self, robot: str, kind: str) -> bool:
         """Return whether the dispatcher needs rows of this kind of this robot."""
-        return kind in HEARD and robot in self._states
+        return robot in self._states and (kind in HEARD or self._ahead is not None and kind in HEARD_AHEAD)
 
-    def happened(self, robot: str, kind: str, values: Sequence[Any]) -> None:
-        """Take in a row of a robot for which :meth:`hears` is true."""
-        self._states[robot].hear(kind, values)
+    def happened(self, robot: str, kind: str, values: Sequence[Any]) -> Optional[str]:
+        """Take in a row of a robot for which :meth:`hears` is true; return a warning, if there is one."""
+        state = self._states[robot]
+        was_empty = state.is_empty
+        state.hear(kind, values)
+        if was_empty or not state.is_empty or state.awaits_charger_since is None:
+            return None
+        return 'It has waited for a charger since {:.1f} s: all that it could reach were taken.'.format(
+            state.waits_from_ns / NS_PER_S)
 
     def arrived(self, order: Order, now_ns: int) -> None:
         """Take in an order at ``now_ns`` [ns]. An order that cannot be done is refused: a row says why."""
@@ -128,6 +141,8 @@ class Dispatcher:
         if fault is None and order.order_id in self._seen:
             fault = 'id: {} was given to an order before; each order needs an id of its own'.format(
                 shown(order.order_id))
+        if fault is None and self._ahead is not None:
+            fault = self._ahead.fault_of(order, self.robots)
         if fault is not None:
             self.refuse(order.order_id, fault)
             return
@@ -171,10 +186,13 @@ class Dispatcher:
     def _go_on(self, robot: RobotState, now_ns: int) -> None:
         """Act on the end of what the robot did, on its failure, or on a goal from elsewhere."""
         ending, robot.ending = robot.ending, None
-        if ending is None and robot.goal_id and robot.is_lost:
+        why = rows.ROBOT_FAILED if robot.is_lost else rows.SHORT if (
+            self._ahead is not None and self._ahead.cannot_finish(robot)) else None
+        if ending is None and robot.goal_id and why is not None:
             self._cancels.append(GiveUp(robot.name, robot.goal_id, robot.phase == WORKING))
             robot.goal_id = ''
-            self._give_back(robot, rows.ROBOT_FAILED, now_ns)
+            robot.must_charge |= why == rows.SHORT
+            self._give_back(robot, why, now_ns)
         elif ending is not None and robot.phase in (DRIVING, WORKING):
             self._stop_ended(robot, ending, now_ns)
         elif ending is not None and robot.phase != OTHERS:
@@ -220,8 +238,7 @@ class Dispatcher:
         one = robot.let_go(phase, now_ns)
         if one is None:
             return
-        is_robots_fault = why in (rows.ROBOT_FAILED, rows.ROBOT_EMPTY, rows.TAKEN)
-        tried = one.tried + (not is_robots_fault)
+        tried = one.tried + (why not in rows.ROBOTS_FAULTS)
         stop = 0 if robot.carries > 0 and self._settings.after_failure == RESTART else robot.stop
         robot.carries = 0
         self._tell(robot.name, 'order_returned', one.order.order_id, why, stop + 1)
@@ -257,7 +274,7 @@ class Dispatcher:
             return
         question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
                             [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
-                             and not robot.must_charge], now_ns, self._distance)
+                             and not robot.must_charge], now_ns, self._distance, self._is_short)
         try:
             chosen = self._checked(question, free)
         except PolicyError:
@@ -266,7 +283,13 @@ class Dispatcher:
                 raise
             chosen = self._checked(question._replace(orders=left), free)
         for robot, one in chosen:
-            self._begin(robot, one, now_ns)
+            if not self._is_short(robot.name, one):
+                self._begin(robot, one, now_ns)
+        self._charging.lack(free, self._in_turn)
+
+    def _is_short(self, robot: str, one: OpenOrder) -> bool:
+        """Return whether a free robot lacks the charge for an order."""
+        return self._ahead is not None and self._ahead.is_short(self._states[robot], one)
 
     def _without_faulty(self, question: Question, free: Sequence[RobotState]) -> List[OpenOrder]:
         """Refuse the orders with each of which alone the policy fails, and return the others.

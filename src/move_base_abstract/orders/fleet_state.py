@@ -6,6 +6,7 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 from ..goals.events import ABOVE, BELOW, EMPTY, FULL, SET
 from ..motion.geometry import Pose2D
+from .look_ahead import Takes, in_millionths
 from .policies import FreeRobot, OpenOrder
 
 FULL_CHARGE = 1.0
@@ -17,15 +18,21 @@ FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, OTHERS = (
 #: the kinds of rows that a dispatcher needs
 HEARD = ('stands', 'departed', 'ended', 'task_ended', 'battery', 'failed', 'repaired', 'charging_began',
          'charging_ended')
+#: the kinds that it needs besides if robots look ahead
+HEARD_AHEAD = ('task_began', 'waiting_began')
 
 
 class RobotStart(NamedTuple):
-    """A robot at the beginning: where it stands, and its state of charge, 0..1 (None: it has no battery)."""
+    """A robot at the beginning: where it stands, and its state of charge, 0..1 (None: it has no battery).
+
+    ``takes``: what driving and work take of its battery, see LookAhead.
+    """
 
     name: str
     pose: Pose2D
     charge: Optional[float] = None
     priority: int = 0
+    takes: Optional[Takes] = None
 
 
 class Ending(NamedTuple):
@@ -58,12 +65,17 @@ class RobotState:
     stands_in: str = ''  # the charger that charges it, or that charged it last
     must_charge: bool = False
     awaits_charger_since: Optional[int] = None  # its number in the queue, None: it does not wait
+    waits_from_ns: int = 0  # when it began to wait for a charger
     is_told_to_wait: bool = False
     own_priority: int = 0  # while it has no order
     priority: int = 0  # the priority that was last sent to it
     has_failed: bool = False
     is_lost: bool = False  # it has failed in such a way that its goal may never end
     is_empty: bool = False
+    moves: bool = False
+    works: bool = False  # known if robots look ahead
+    wants: int = 0  # if it must charge, the charge [millionths] that it needs at least to be free again
+    charge: Optional[int] = None  # the least that its charge may be now [millionths], None: it has no battery
     below: Dict[float, bool] = field(default_factory=dict)  # {level: whether its charge is below it}
     tried_now: Dict[str, int] = field(default_factory=dict)  # {charger: instant [ns] at which the way to it failed}
 
@@ -79,10 +91,14 @@ class RobotState:
     def hear(self, kind: str, values: Sequence[Any]) -> None:
         """Take in a row of the robot; its ``kind`` is one of :data:`HEARD`."""
         if kind == 'stands':
-            self.at = float(values[0]), float(values[1])
+            self.moves, self.at = False, (float(values[0]), float(values[1]))
         elif kind in ('ended', 'task_ended'):
+            self.works = False
             self._goal_ended(*values[:3])
+        elif kind in HEARD_AHEAD:
+            self.works = kind == 'task_began'
         elif kind == 'departed':
+            self.moves = True
             if not self.goal_id and self.phase != OTHERS:
                 self.phase, self.charger = OTHERS, ''
         elif kind == 'battery':
@@ -94,6 +110,7 @@ class RobotState:
             self.is_charging, self.stands_in = kind == 'charging_began', values[0]
             if FULL_CHARGE in self.below and not self.is_charging:
                 self.below[FULL_CHARGE] = True
+            self._note_charge()
 
     def _goal_ended(self, goal_id: str, state: str, text: str) -> None:
         if goal_id == self.goal_id:
@@ -116,6 +133,13 @@ class RobotState:
                 self.below[known] = False
             elif what in (BELOW, EMPTY) and level <= known:
                 self.below[known] = True
+        self._note_charge()
+
+    def _note_charge(self) -> None:
+        if self.charge is not None:
+            sure = (level for level, is_below in self.below.items() if not is_below and (
+                level < FULL_CHARGE or self.is_charging))
+            self.charge = in_millionths(max(sure, default=0.0))
 
     def begin(self, one: OpenOrder, now_ns: int) -> None:
         """Begin with an order at ``now_ns`` [ns]."""
@@ -146,7 +170,8 @@ def make_states(starts: Sequence[RobotStart], levels: Sequence[float]) -> Dict[s
         state.own_priority = state.priority = one.priority
         if one.charge is not None:
             state.below = {level: _is_below(one.charge, level) for level in levels}
-            state.is_empty = one.charge <= 0.0
+            state.is_empty, state.charge = one.charge <= 0.0, 0
+            state._note_charge()
         states[one.name] = state
     return states
 

@@ -56,12 +56,17 @@ class FreeRobot(NamedTuple):
     busy_ns: int = 0
 
 
+def _never(_robot: str, _one: OpenOrder) -> bool:
+    return False
+
+
 class Question(NamedTuple):
     """The question to a policy.
 
     ``orders``: the open orders by priority, then by arrival. ``robots``: the free robots; ``busy``: robots that have an
     order, with their position after it; both by index. ``distance(robot, begin, end)`` returns mm, None: there is no
-    way. ``now_ns``: the present instant [ns].
+    way. ``now_ns``: the present instant [ns]. ``is_short(robot's name, order)``: whether a free robot lacks the charge
+    for an order, which it then refuses; of a robot that has an order it is False.
     """
 
     orders: Sequence[OpenOrder]
@@ -69,10 +74,14 @@ class Question(NamedTuple):
     busy: Sequence[FreeRobot]
     now_ns: int
     distance: Distance
+    is_short: Callable[[str, OpenOrder], bool] = _never
 
     def away(self, robot: FreeRobot, one: OpenOrder) -> Optional[int]:
-        """Return the distance of a robot from an order's next stop [mm], None: there is no way."""
-        return self.distance(robot.name, (robot.x, robot.y), one.points[0])
+        """Return the distance of a free robot from an order's next stop [mm].
+
+        None: there is no way, or the robot lacks the charge for the order.
+        """
+        return None if self.is_short(robot.name, one) else self.distance(robot.name, (robot.x, robot.y), one.points[0])
 
 
 class Policy(Protocol):
@@ -151,13 +160,14 @@ class Auction:
         """Return the pairs (robot's name, order's id) that begin now."""
         bidders = {robot.name: robot for robot in (*question.robots, *question.busy)}
         orders = {one.order.order_id: one for one in question.orders}
-        self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders] for name in bidders}
+        self._tours = {name: [key for key in self._tours.get(name, ()) if key in orders
+                              and not question.is_short(name, orders[key])] for name in bidders}
         sold = {key for tour in self._tours.values() for key in tour}
         unsold = [one for key, one in orders.items() if key not in sold]
         tours = [_Tour(robot, self._tours[name], orders, question.distance)
                  for name, robot in bidders.items()] if unsold else []
         for one in unsold:
-            _sell(one, tours)
+            _sell(one, [tour for tour in tours if not question.is_short(tour.name, one)])
         return [(robot.name, self._tours[robot.name].pop(0)) for robot in question.robots if self._tours[robot.name]]
 
 
@@ -166,6 +176,7 @@ class _Tour:
 
     def __init__(self, robot: FreeRobot, keys: List[str], orders: Dict[str, OpenOrder], distance: Distance) -> None:
         self._robot = robot
+        self.name = robot.name
         self._keys = keys  # the orders' ids, in the order of the tour
         self._distance = distance
         self._turns = [-orders[key].order.priority for key in keys]

@@ -10,7 +10,9 @@ DISPATCHER = '/dispatcher'
 DRIVES, WORKS, DONE, LATE, FAILED = 'drives', 'works', 'done', 'late', 'failed'
 LOW, IDLE = 'low', 'idle'
 #: the reasons for which an order came back
-ROBOT_FAILED, ROBOT_EMPTY, TAKEN = 'robot failed', 'battery empty', 'robot taken'
+ROBOT_FAILED, ROBOT_EMPTY, TAKEN, SHORT = 'robot failed', 'battery empty', 'robot taken', 'charge too low'
+#: those of them that are not the order's fault
+ROBOTS_FAULTS = ROBOT_FAILED, ROBOT_EMPTY, TAKEN, SHORT
 
 Row = Tuple[Any, ...]
 #: the kinds of these rows

@@ -7,7 +7,7 @@ Key by key: docs/orders.md.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 from ..common.kinds import error, integer, number, one_of
 from ..common.parameter_table import Parameter, read_mapping
@@ -35,7 +35,9 @@ DISPATCHER_TABLE = (
     Parameter('after_failure', RESTART, one_of(RESTART, RESUME)),
     Parameter('charge_below', 0.3, _SHARE),
     Parameter('charge_until', 0.9, _SHARE),
+    Parameter('charge_full', None, number(0.0, 1.0, note='or none: as charge_until')),
     Parameter('charge_when_idle', 0.0, number(0.0, 1.0, note='0 = never')),
+    Parameter('charge_reserve', None, number(0.0, 1.0, note='or none: robots do not look ahead')),
 )
 
 
@@ -49,12 +51,19 @@ class DispatchSettings:
     after_failure: str = RESTART
     charge_below: float = 0.3
     charge_until: float = 0.9
+    charge_full: Optional[float] = None
     charge_when_idle: float = 0.0
+    charge_reserve: Optional[float] = None
 
     @property
     def levels(self) -> Tuple[float, ...]:
-        """The states of charge between 0 and 1 on which decisions depend, highest first."""
-        given = {self.charge_below, self.charge_until, self.charge_when_idle}
+        """The states of charge between 0 and 1 on which decisions depend, highest first.
+
+        If robots look ahead, these are also all whole percents, so that each charge is known to a percent.
+        """
+        given = {self.charge_below, self.charge_until, self.charge_full or 0.0, self.charge_when_idle}
+        if self.charge_reserve is not None:
+            given.update(percent / 100 for percent in range(1, 100))
         return tuple(sorted((level for level in given if 0.0 < level < 1.0), reverse=True))
 
 
@@ -70,12 +79,15 @@ def read_dispatcher(raw: Any, where: str) -> DispatchSettings:
 def settings_of(values: Mapping[str, Any], where: str) -> DispatchSettings:
     """Return the settings in ``values`` of :data:`DISPATCHER_TABLE`.
 
-    :raises ConfigurationError: if ``charge_until`` is not above ``charge_below``.
+    :raises ConfigurationError: if ``charge_until`` is not above ``charge_below``, or ``charge_full`` is below it.
     """
     settings = DispatchSettings(**{one.name: values[one.name] for one in DISPATCHER_TABLE})
     if not settings.charge_below < settings.charge_until:
         raise error(f'{where}: charge_until', settings.charge_until, 'more than that',
                     f' with charge_below: {settings.charge_below:g}')
+    if settings.charge_full is not None and settings.charge_full < settings.charge_until:
+        raise error(f'{where}: charge_full', settings.charge_full, 'at least that',
+                    f' with charge_until: {settings.charge_until:g}')
     return settings
 
 

@@ -124,7 +124,9 @@ class DispatcherNode:
                 values = [*message.numbers, *message.texts]
             else:
                 values = [*message.texts, *message.numbers]
-            self._core.happened(message.robot, message.kind, values)
+            warning = self._core.happened(message.robot, message.kind, values)
+            if warning is not None:
+                rospy.logwarn('%s: %s: %s', rospy.get_name(), message.robot, warning)
             self._decisions.soon(now_ns)
 
     def _present(self):
