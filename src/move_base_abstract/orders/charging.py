@@ -3,11 +3,11 @@
 A robot below ``charge_below`` goes to charge when its order is done, and takes no order before it is above
 ``charge_until``. With ``charge_reserve`` robots look ahead (:mod:`.look_ahead`): a robot also goes to charge while its
 charge is still enough for the way, or if it lacks the charge for all open orders. It goes to the nearest charger with
-room; of equally near ones, to the first in the scenario. If there is none, the robot waits where it stands; if it looks
-ahead and its charge would soon be too low for the way, it waits at the border of the nearest charger. Robots are served
-in the order in which they began to wait, at one instant by lower index. A robot that is charged enough and has no order
-leaves its charger if another robot waits for one, with ``charge_full`` at this charge at the earliest; it drives to
-where it started.
+room; of equally near ones, to the first in the scenario. If there is none, the robot waits where it stands, or
+where it parks; if it looks ahead and its charge would soon be too low for the way, it waits at the border of the
+nearest charger. Robots are served in the order in which they began to wait, at one instant by lower index. A robot that
+is charged enough and has no order leaves its charger if another robot waits for one, with ``charge_full`` at this
+charge at the earliest; it drives to a parking place, or, if there is none with room, to where it started.
 """
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from ..motion.geometry import Pose2D
 from . import rows
-from .fleet_state import AT_CHARGER, FREE, HOMING, TO_CHARGER, RobotState
+from .fleet_state import AT_CHARGER, FREE, HOMING, PARKING, TO_CHARGER, RobotState
 from .look_ahead import LookAhead
+from .parking import Parking
 from .policies import Distance, OpenOrder
 from .settings import DispatchSettings
 
@@ -37,17 +38,18 @@ Tell = Callable[..., object]
 class Charging:
     """Decides when and where each robot charges.
 
-    ``send`` and ``tell(robot, kind, values...)`` are methods of the dispatcher.
+    ``send`` and ``tell(robot, kind, values...)`` are methods of the dispatcher; ``parking``: where robots park.
     """
 
     def __init__(self, settings: DispatchSettings, chargers: Sequence[Charger], distance: Distance, send: Send,
-                 tell: Tell, ahead: Optional[LookAhead] = None) -> None:
+                 tell: Tell, parking: Parking, ahead: Optional[LookAhead] = None) -> None:
         self._settings = settings
         self._ahead = ahead
         self._chargers = {charger.name: charger for charger in chargers}
         self._distance = distance
         self._send = send
         self._tell = tell
+        self._parking = parking
         self._number = 0
 
     def look(self, robots: Sequence[RobotState]) -> None:
@@ -101,7 +103,7 @@ class Charging:
         """Send the robots that must charge, as long as there is room."""
         waiting = []
         for robot in robots:
-            if robot.must_charge and robot.phase == FREE and not robot.is_out_of_order:
+            if robot.must_charge and robot.phase in (FREE, PARKING) and not robot.is_out_of_order:
                 if robot.awaits_charger_since is None:
                     self._number += 1
                     robot.awaits_charger_since, robot.waits_from_ns = self._number, now_ns
@@ -119,8 +121,8 @@ class Charging:
 
     def _send_idle(self, robots: Sequence[RobotState], now_ns: int) -> None:
         """Make room for waiting robots; send idle robots to charge if the settings say so."""
-        waiters = [robot for robot in robots if robot.awaits_charger_since is not None and robot.phase == FREE
-                   and not robot.is_out_of_order]
+        waiters = [robot for robot in robots if robot.awaits_charger_since is not None
+                   and robot.phase in (FREE, PARKING) and not robot.is_out_of_order]
         taken = _taken(robots)
         for robot in robots:
             if robot.must_charge or robot.is_out_of_order:
@@ -134,8 +136,9 @@ class Charging:
                 else:
                     waiters.pop()
                 self.leave(robot)
-                self._send(robot, robot.home, 'home.{}'.format(now_ns))
-                robot.phase = HOMING
+                if not self._parking.go(robot, robots, now_ns):
+                    self._send(robot, robot.home, 'home.{}'.format(now_ns))
+                    robot.phase = HOMING
             elif robot.phase == FREE and self._settings.charge_when_idle and not waiters and robot.is_below(
                     self._settings.charge_when_idle):
                 charger = self._nearest(robot, robots, now_ns)

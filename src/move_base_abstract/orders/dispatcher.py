@@ -24,6 +24,7 @@ from .fleet_state import (
     HEARD,
     HEARD_AHEAD,
     OTHERS,
+    PARKING,
     WORKING,
     RobotStart,
     RobotState,
@@ -31,6 +32,7 @@ from .fleet_state import (
 )
 from .look_ahead import LookAhead
 from .order import LOAD, UNLOAD, Order, fault_of
+from .parking import Parking
 from .policies import Distance, OpenOrder, Policy, Question
 from .settings import RESTART, DispatchSettings
 
@@ -91,7 +93,8 @@ class Dispatcher:
         self._policy = policy
         self._distance = distance
         self._take_row = tell
-        self._charging = Charging(settings, chargers, distance, self._send, self._tell, self._ahead)
+        self._parking = Parking(places.values() if settings.park_when_idle else (), distance, self._send, self._tell)
+        self._charging = Charging(settings, chargers, distance, self._send, self._tell, self._parking, self._ahead)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
         self._in_turn: List[OpenOrder] = []  # the same by priority, then arrival
         self._turns: List[Tuple[int, int]] = []  # by which they are sorted
@@ -176,6 +179,7 @@ class Dispatcher:
             self._tell(rows.DISPATCHER, 'policy_failed', str(error))
         finally:
             self._charging.send(self.robots, now_ns)
+            self._parking.send(self.robots, now_ns)
         commands = [*self._cancels, *(self._commands[robot.name] for robot in self.robots
                                       if robot.name in self._commands)]
         self._commands, self._cancels = {}, []
@@ -190,11 +194,13 @@ class Dispatcher:
             self._ahead is not None and self._ahead.cannot_finish(robot)) else None
         if ending is None and robot.goal_id and why is not None:
             self._cancels.append(GiveUp(robot.name, robot.goal_id, robot.phase == WORKING))
-            robot.goal_id = ''
+            robot.goal_id = robot.parking = ''
             robot.must_charge |= why == rows.SHORT
             self._give_back(robot, why, now_ns)
         elif ending is not None and robot.phase in (DRIVING, WORKING):
             self._stop_ended(robot, ending, now_ns)
+        elif ending is not None and robot.phase == PARKING:
+            self._parking.ended(robot, ending.succeeded, now_ns)
         elif ending is not None and robot.phase != OTHERS:
             self._charging.ended(robot, ending.succeeded, now_ns)
         elif robot.phase == OTHERS and robot.order is not None:
@@ -259,7 +265,7 @@ class Dispatcher:
         return '{}.{}.{}'.format(one.order.order_id, robot.assigned, robot.stop + 1)
 
     def _send(self, robot: RobotState, pose: Pose2D, goal_id: str) -> None:
-        robot.goal_id = goal_id
+        robot.goal_id, robot.parking = goal_id, ''
         priority = robot.own_priority if robot.order is None else max(robot.own_priority, robot.order.order.priority)
         is_new, robot.priority = priority != robot.priority, priority
         self._commands[robot.name] = Drive(robot.name, goal_id, pose, priority if is_new else None)
@@ -268,8 +274,9 @@ class Dispatcher:
 
     def _assign(self, now_ns: int) -> None:
         """Ask the policy which robots begin with which orders."""
-        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER) and not robot.is_out_of_order
-                and not robot.must_charge and not robot.goal_id]
+        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER, PARKING)
+                and not robot.is_out_of_order and not robot.must_charge
+                and (not robot.goal_id or robot.phase == PARKING)]
         if not free or not self._open:
             return
         question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],

@@ -13,8 +13,8 @@ FULL_CHARGE = 1.0
 #: the kind of failure that ends the goal by itself, after a while
 STUCK = 'stuck'
 #: what a robot does (its phase). OTHERS: it has a goal that the dispatcher did not send
-FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, OTHERS = (
-    'free', 'driving', 'working', 'to charger', 'at charger', 'homing', 'taken')
+FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, PARKING, OTHERS = (
+    'free', 'driving', 'working', 'to charger', 'at charger', 'homing', 'parking', 'taken')
 #: the kinds of rows that a dispatcher needs
 HEARD = ('stands', 'departed', 'ended', 'task_ended', 'battery', 'failed', 'repaired', 'charging_began',
          'charging_ended')
@@ -61,6 +61,8 @@ class RobotState:
     busy_ns: int = 0  # how long it had orders [ns]; while it has one, less the instant at which that began
     ending: Optional[Ending] = None
     charger: str = ''
+    parking: str = ''  # the parking place where it stands, or to which it drives
+    parked_at: Tuple[float, float] = (0.0, 0.0)  # the point where it stands there
     is_charging: bool = False
     stands_in: str = ''  # the charger that charges it, or that charged it last
     must_charge: bool = False
@@ -77,7 +79,8 @@ class RobotState:
     wants: int = 0  # if it must charge, the charge [millionths] that it needs at least to be free again
     charge: Optional[int] = None  # the least that its charge may be now [millionths], None: it has no battery
     below: Dict[float, bool] = field(default_factory=dict)  # {level: whether its charge is below it}
-    tried_now: Dict[str, int] = field(default_factory=dict)  # {charger: instant [ns] at which the way to it failed}
+    #: {charger or parking place: instant [ns] at which the way to it failed}
+    tried_now: Dict[str, int] = field(default_factory=dict)
 
     @property
     def is_out_of_order(self) -> bool:
@@ -100,7 +103,7 @@ class RobotState:
         elif kind == 'departed':
             self.moves = True
             if not self.goal_id and self.phase != OTHERS:
-                self.phase, self.charger = OTHERS, ''
+                self.phase, self.charger, self.parking = OTHERS, '', ''
         elif kind == 'battery':
             self._charge_passed(float(values[0]), values[1])
         elif kind in ('failed', 'repaired'):

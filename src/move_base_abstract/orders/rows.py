@@ -37,4 +37,5 @@ ROW_KINDS = (
     RowKind('charge_assigned', 'charger, `low` or `idle`', 'the robot is sent to charge'),
     RowKind('charge_awaited', '`low`', 'all chargers are taken'),
     RowKind('charge_over', 'charger', 'the robot leaves the charger'),
+    RowKind('park_assigned', 'place', 'the robot is sent to park'),
 )

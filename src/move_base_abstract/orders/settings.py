@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-from ..common.kinds import error, integer, number, one_of
+from ..common.kinds import FLAG, error, integer, number, one_of
 from ..common.parameter_table import Parameter, read_mapping
 from .policies import POLICIES
 
@@ -38,6 +38,7 @@ DISPATCHER_TABLE = (
     Parameter('charge_full', None, number(0.0, 1.0, note='or none: as charge_until')),
     Parameter('charge_when_idle', 0.0, number(0.0, 1.0, note='0 = never')),
     Parameter('charge_reserve', None, number(0.0, 1.0, note='or none: robots do not look ahead')),
+    Parameter('park_when_idle', False, FLAG),
 )
 
 
@@ -54,6 +55,7 @@ class DispatchSettings:
     charge_full: Optional[float] = None
     charge_when_idle: float = 0.0
     charge_reserve: Optional[float] = None
+    park_when_idle: bool = False
 
     @property
     def levels(self) -> Tuple[float, ...]:

@@ -45,6 +45,7 @@ PLACE_TABLE = (
     Parameter('capacity', None, integer(1)),
     Parameter('queue', None, integer(0)),
     Parameter('preemption', False, FLAG),
+    Parameter('parking', False, FLAG),
     Parameter('reach', 0.5, number(above=0.0, unit='m')),
     *WORK_TABLE,
 )
@@ -69,7 +70,8 @@ class Place:
 
     ``pose`` (Pose2D, global frame); ``capacity``: the number of robots that may work there at once (None: any number);
     ``reach`` [m]: a robot that is no farther away is at the place; ``queue``: the number of robots that may wait (None:
-    any number); ``preemption``: whether a task with a higher priority interrupts another one.
+    any number); ``preemption``: whether a task with a higher priority interrupts another one; ``parking``: whether
+    robots that have nothing to do park there (at most ``capacity``).
     """
 
     name: str
@@ -79,6 +81,7 @@ class Place:
     work: Work = Work()
     queue: Optional[int] = None
     preemption: bool = False
+    parking: bool = False
 
     def holds(self, pose: Pose2D) -> bool:
         """Return whether a robot at ``pose`` (Pose2D) is at this place."""
@@ -103,7 +106,8 @@ def read_places(raw: Mapping[str, Any], where: str) -> Dict[str, Place]:
             raise ConfigurationError('{}: capacity is not given, but {} is, which needs it'.format(
                 here, 'preemption' if values['queue'] is None else 'queue'))
         places[name] = Place(name, Pose2D(values['x'], values['y'], values['yaw']), values['capacity'],
-                             values['reach'], read_work(values, here), values['queue'], values['preemption'])
+                             values['reach'], read_work(values, here), values['queue'], values['preemption'],
+                             values['parking'])
     return places
 
 
