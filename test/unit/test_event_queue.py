@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given, strategies as st
 
-from move_base_abstract.engine.event_queue import EventQueue, Series
+from move_base_abstract.engine.event_queue import DECISIONS, EventQueue, Series
+from move_base_abstract.engine.simulation import Simulation
 
 TIMES = st.integers(0, 50)
 
@@ -302,3 +303,14 @@ def test_what_is_cancelled_long_before_it_is_due_does_not_stay():
     assert len(queue._heap) < 10_000
     queue.run_until(10 ** 16, SimpleNamespace(now_ns=0))
     assert happened == [10 ** 12 - number for number in reversed(range(0, 20_000, 1000))]
+
+
+def test_what_is_decided_at_the_end_of_an_instant_can_be_left_until_all_has_come():
+    simulation, told = Simulation(0), []
+    for index, due_ns in ((DECISIONS, 5), (1, 5), (DECISIONS, 4), (3, 6)):
+        simulation.queue.schedule(due_ns, index, lambda due_ns, _now_ns, index=index: told.append((due_ns, index)))
+    simulation.advance(5, decides=False)
+    assert (told, simulation.now_ns) == ([(4, DECISIONS), (5, 1)], 5)
+    simulation.queue.schedule(5, 2, lambda due_ns, _now_ns: told.append((due_ns, 2)))
+    simulation.advance(5)
+    assert told[2:] == [(5, 2), (5, DECISIONS)]

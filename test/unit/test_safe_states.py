@@ -8,7 +8,7 @@ import pytest
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract.traffic.area import Area
-from move_base_abstract.traffic.safe_states import is_safe
+from move_base_abstract.traffic.safe_states import SafeStates
 from test_scenario_check import ring, world_file
 
 SQUARE_OF = {'a': 'c', 'b': 'd', 'c': 'a', 'd': 'b'}
@@ -54,7 +54,7 @@ def test_it_is_safe_where_some_order_brings_all_to_their_goals(seed):
     robots, taker = state_of(random.Random(seed))
     if taker is not None:
         takes = taker.needs[:1]
-        assert is_safe(robots, taker, takes) == (able(robots, {}) <= able(robots, {taker.index: takes}))
+        assert SafeStates(robots).allows(taker, takes) == (able(robots, {}) <= able(robots, {taker.index: takes}))
 
 
 def run(path, policy, goals):

@@ -94,6 +94,7 @@ def test_more_than_there_is_place_for_may_stand_inside_and_none_comes_before_the
     fleet.run(5 * S)
     assert state(fleet) == (('b',), ('c',))
     fleet.robot('b').place(Pose2D(20.0))
+    fleet.run(5 * S)  # it is decided at the end of the instant who comes in
     assert state(fleet) == (('c',), ())
     fleet.robot('b').place(Pose2D(5.0))
     assert state(fleet) == (('b', 'c'), ())
@@ -104,6 +105,7 @@ def test_a_robot_that_is_taken_away_gives_its_place_back():
     fleet.robot('b').send(10, 1)
     fleet.run(3 * S)
     fleet.remove('a')
+    fleet.run(3 * S)
     assert state(fleet) == (('b',), ())
 
 
@@ -292,6 +294,7 @@ def test_a_circle_that_closes_when_a_zone_is_opened_is_named_then():
     assert not rows(fleet, 'deadlock')
     for closed in (False, True, False):
         fleet.close_zone('east', closed)
+        fleet.run(10 * S)
     assert rows(fleet, 'deadlock') == [(10.0, 'a', 'deadlock', 'a', 'zone east', 'b', 'zone west')]
 
 

@@ -37,13 +37,13 @@ def net_of(tmp_path, nodes, edges):
 def oracle_of_priorities(arrivals, seconds):
     """Return when each of [(instant, priority)] comes in: whoever is first in the queue whenever the gate is free.
 
-    Who comes at the instant at which it gets free comes behind those who wait.
+    Who comes at the instant at which it gets free is in the queue, too.
     """
     came, left, free = {}, dict(enumerate(arrivals)), 0
     while left:
         now = max(free, min(instant for instant, _ in left.values()))
-        queue = [index for index in left if left[index][0] < now] or [index for index in left if left[index][0] == now]
-        first = min(queue, key=lambda index: (-left[index][1], left[index][0], index))
+        first = min((index for index in left if left[index][0] <= now),
+                    key=lambda index: (-left[index][1], left[index][0], index))
         del left[first]
         came[first], free = now, now + seconds
     return came

@@ -201,8 +201,11 @@ class EventQueue:
                 is_any = True
         return is_any
 
-    def run_until(self, until_ns: Optional[int], present: Simulation, instant_by_instant: bool = False) -> None:
+    def run_until(self, until_ns: Optional[int], present: Simulation, instant_by_instant: bool = False,
+                  decides: bool = True) -> None:
         """Run all events that are due at ``until_ns`` [ns] or before, in order, with those scheduled meanwhile.
+
+        Unless ``decides``, those of ``until_ns`` with the index ``DECISIONS`` or above are left: more is to come.
 
         ``present.now_ns`` [ns] is set to the time of each event before it happens, and never back. The actions get
         ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. If
@@ -210,13 +213,14 @@ class EventQueue:
         """
         later, soon, ends, entered_ns = self._heap, self._soon, self._ends, None
         end_ns = math.inf if until_ns is None else until_ns
+        undecided_ns = None if decides else until_ns
         while later or soon or ends:
             heap = soon if soon and (not later or soon[0] < later[0]) else later
             if ends and not (heap and heap[0][:2] <= (present.now_ns, self._end_index)):
                 self._take_end(present.now_ns, present.now_ns if instant_by_instant else until_ns)
                 continue
             due_ns, robot_index, _, event = heap[0]
-            if due_ns > end_ns:
+            if due_ns > end_ns or (due_ns == undecided_ns and robot_index >= DECISIONS):
                 break
             action = event.action
             if action is None:  # cancelled

@@ -23,14 +23,16 @@ class Simulation:
         """Report the exception ``error`` as an error of ``who`` (a text)."""
         self._on_fault(who, error)
 
-    def advance(self, now_ns: int) -> None:
+    def advance(self, now_ns: int, decides: bool = True) -> None:
         """Run everything that is due up to ``now_ns`` [ns], in order.
+
+        Unless ``decides``, what is decided at the end of that instant is left, because more is to come before.
 
         :raises TimeError: if ``now_ns`` lies before the present; time never goes back.
         """
         if now_ns < self.now_ns:
             raise TimeError('time must not go back: it is {} ns, got {} ns'.format(self.now_ns, now_ns))
-        self.queue.run_until(now_ns, self)
+        self.queue.run_until(now_ns, self, decides=decides)
         self.now_ns = now_ns
 
     def run(self, until_ns: Optional[int] = None) -> None:

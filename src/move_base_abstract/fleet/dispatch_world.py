@@ -6,6 +6,7 @@ from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 from ..common.errors import ConfigurationError, SimulatorError
+from ..common.ros_names import natural_order
 from ..common.units import NS_PER_S
 from ..energy.consumption import energy_of_way
 from ..maps.lane_map import LaneMap
@@ -81,9 +82,9 @@ class Decisions:
 
 
 def starts_of(scenario: Scenario) -> List[RobotStart]:
-    """Return the robots of a scenario as they start."""
+    """Return the robots of a scenario as they start, in the order of their names."""
     found = []
-    for spec in scenario.robots:
+    for spec in sorted(scenario.robots, key=lambda spec: natural_order(spec.name)):
         battery = spec.settings.battery
         found.append(RobotStart(spec.name, spec.settings.start, None if battery is None else battery.start,
                                 spec.settings.values['priority'],

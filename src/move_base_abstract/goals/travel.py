@@ -60,11 +60,7 @@ class Travel:
         self.drop_command: Optional[Callable[[int], object]] = None
 
     def set_gate(self, gate: Traveller) -> None:
-        """Ask ``gate`` at each departure whether the robot may go.
-
-        ``departs(leg, now_ns)`` returns the reason (a text) for which the robot is held at once, or None. Afterwards,
-        when the robot has been held or is on its way, ``settle(now_ns)`` is called.
-        """
+        """Call ``gate.departs(leg, now_ns)`` at each departure. It may hold the robot later at that instant."""
         self._gate = gate
 
     def aim(self, target: Pose2D) -> None:
@@ -119,15 +115,9 @@ class Travel:
             hear(new(Departed, (now_ns, robot.name, 'departed', place.x, place.y, place.yaw)))
         if Drives in self._hearers:
             self._tell(Drives(now_ns, robot.name, leg))
-        if self._gate is None:
-            self._await_end(leg, aside)
-            return
-        reason = self._gate.departs(leg, now_ns)
-        if reason is None:
-            self._await_end(leg, aside)
-        else:
-            self._hold(reason, now_ns)
-        self._gate.settle(now_ns)
+        if self._gate is not None:
+            self._gate.departs(leg, now_ns)
+        self._await_end(leg, aside)
 
     def go_aside(self, reason: str, way: WayBack, now_ns: int) -> None:
         """End the hold for ``reason``, and drive by ``way`` (.corners, .goal) from where the robot stands.

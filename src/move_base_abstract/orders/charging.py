@@ -5,8 +5,8 @@ A robot below ``charge_below`` goes to charge when its order is done, and takes 
 charge is still enough for the way, or if it lacks the charge for all open orders. It goes to the nearest charger with
 room; of equally near ones, to the first in the scenario. If there is none, the robot waits where it stands, or
 where it parks; if it looks ahead and its charge would soon be too low for the way, it waits at the border of the
-nearest charger. Robots are served in the order in which they began to wait, at one instant by lower index. A robot that
-is charged enough and has no order leaves its charger if another robot waits for one, with ``charge_full`` at this
+nearest charger. Robots are served in the order in which they began to wait, at one instant by name. A robot that is
+charged enough and has no order leaves its charger if another robot waits for one, with ``charge_full`` at this
 charge at the earliest; it drives to a parking place, or, if there is none with room, to where it started.
 """
 from __future__ import annotations

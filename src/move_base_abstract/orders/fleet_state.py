@@ -44,7 +44,7 @@ class Ending(NamedTuple):
 
 @dataclass
 class RobotState:
-    """The state of one robot; ``index``: its number in the scenario."""
+    """The state of one robot; ``index``: its number, in the order of names."""
 
     index: int
     name: str

@@ -1,7 +1,7 @@
 """Which robot gets which order: the policies of this package, and the interface of a user's own policy.
 
 A policy is an object with ``choose(question)``, which returns the pairs (robot's name, order's id) that begin now. All
-ties are broken by higher priority, then by earlier arrival, then by lower index of the robot.
+ties are broken by higher priority, then by earlier arrival, then by the name of the robot.
 
 A class below ``@_policy`` is one of this package: settings, texts and pages have its name from :data:`POLICIES`.
 """

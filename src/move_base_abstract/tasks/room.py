@@ -12,10 +12,9 @@ if TYPE_CHECKING:
     from .arrivals import Task
 
 from ..common.ros_names import natural_order
+from ..engine.event_queue import DECISIONS
 from .places import Place
 
-#: the decision about who comes in is made after everything that robots and users do at an instant
-_ADMISSION_INDEX = 2 ** 31 - 1
 #: a function that takes an instant [ns]
 Admission = Callable[[int], object]
 
@@ -101,7 +100,7 @@ class Room:
 
     def _look(self, now_ns: int) -> None:
         if self._waiting and self._event is None:
-            self._event = self._queue.schedule(now_ns, _ADMISSION_INDEX, self._admit)
+            self._event = self._queue.schedule(now_ns, DECISIONS, self._admit)
 
     def _admit(self, due_ns: int, _now_ns: int) -> None:
         self._event = None

@@ -125,24 +125,24 @@ class Request:
     """The request of ``traveller`` for a place in each of ``areas``, since ``since_ns`` [ns].
 
     The areas ``ahead`` must have room, too, but the robot gets no place in them. While there is no room in one of
-    ``lets_pass``, the areas ahead and nodes, other robots need not wait for this one.
+    ``lets_pass``, the areas ahead and nodes, other robots need not wait for this one. The request is in no queue before
+    :meth:`line_up`.
     """
 
-    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'lets_pass', 'is_in_circle', 'cut_off')
+    __slots__ = ('key', 'traveller', 'areas', 'ahead', 'lets_pass', 'is_lined_up', 'is_in_circle', 'cut_off',
+                 '_since_ns')
 
     def __init__(self, since_ns: int, traveller: Traveller, areas: Tuple[Area, ...],
                  ahead: Tuple[Area, ...] = ()) -> None:
         self.key = -traveller.priority, since_ns, traveller.rank
+        self._since_ns = since_ns
         self.traveller: Traveller = traveller
         self.areas: Tuple[Area, ...] = areas
         self.ahead: Tuple[Area, ...] = ahead
         self.lets_pass: Tuple[Area, ...] = (*ahead, *(area for area in areas if area.point is not None))
+        self.is_lined_up = False
         self.is_in_circle = False  # whether it is in a circle of waiting that has been reported
         self.cut_off: Tuple[Any, ...] = ()  # robots that could not reach their goals any more, see SafeStates
-        for area in areas:
-            insort(area.queue, self)
-        for area in self.lets_pass:
-            area.watchers.append(self)
 
     def __lt__(self, other: Request) -> bool:
         """Return whether this request comes first: by priority (higher first), then by age, then by name."""
@@ -162,16 +162,21 @@ class Request:
         firsts = [area.first(self.traveller) for area in self.areas]
         return all(one is None or not one < self for one in firsts) and self.has_room()
 
-    def renewed(self) -> Request:
-        """Withdraw this request; return one that replaces it, with the present priority of its robot."""
+    def line_up(self) -> None:
+        """Enter the queues, or take another place there, by the present priority of the robot."""
         self.withdraw()
-        request = Request(self.key[1], self.traveller, self.areas, self.ahead)
-        request.is_in_circle = self.is_in_circle
-        return request
+        self.is_lined_up = True
+        self.key = -self.traveller.priority, self._since_ns, self.traveller.rank
+        for area in self.areas:
+            insort(area.queue, self)
+        for area in self.lets_pass:
+            area.watchers.append(self)
 
     def withdraw(self) -> None:
         """Leave the queues."""
-        for area in self.areas:
-            area.queue.remove(self)
-        for area in self.lets_pass:
-            area.watchers.remove(self)
+        if self.is_lined_up:
+            self.is_lined_up = False
+            for area in self.areas:
+                area.queue.remove(self)
+            for area in self.lets_pass:
+                area.watchers.remove(self)

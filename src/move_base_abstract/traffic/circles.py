@@ -49,7 +49,7 @@ class Circles:
             if self._policy is DeadlockPolicy.RETREAT:
                 yields = _who_gives_way(circle)
                 if yields is None:
-                    self._traffic.jams(self._traveller)
+                    self._traffic.look_at(self._traveller)
             if yields is None and all(one.is_in_circle for one in requests):
                 return
             for one in requests:
@@ -77,10 +77,10 @@ class Circles:
         return way_back(self.driven, one.held, one.stays, one.edges) if one.waits_only else None
 
     def _look_again(self, event: Held) -> None:
-        """If the robot is in a circle and no other reason holds it any more, look again: it may give way now."""
+        """If the robot is in a circle and no other reason holds it any more, it may give way now: look again."""
         request = self._traveller.request
         if request is not None and request.is_in_circle and self._traveller.waits_only:
-            self.look(event.time_ns)
+            self._traffic.look_at(self._traveller, event.time_ns)
 
     def _name(self, circle: Sequence[Tuple[Traveller, Reason]], yields: Optional[Traveller], now_ns: int) -> None:
         pairs = [(traveller.name, reason.area.name) for traveller, reason in circle]

@@ -2,9 +2,10 @@
 
 A robot asks for a place when it comes to the border of an area. If there is none, it waits there, outside, and its goal
 stays active. Robots are served by priority, then in the order in which they ask, at one instant by name; the docstring
-of :meth:`.Area.first` says which robots may be overtaken. A robot gives its place back when it comes to the border on
-its way out. If it goes from one area directly into another, it gives the place back when it has got a place in the
-other one. At a node where it has a place, it gives back all others that end there.
+of :meth:`.Area.first` says which robots may be overtaken. Who gets a place is decided at the end of an instant. A robot
+gives its place back when it comes to the border on its way out. If it goes from one area directly into another, it
+gives the place back when it has got a place in the other one. At a node where it has a place, it gives back all others
+that end there.
 """
 from __future__ import annotations
 
@@ -15,13 +16,15 @@ from ..common.errors import ConfigurationError
 from ..common.parameter_table import checked
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
+from ..engine.event_queue import DECISIONS
+from ..goals.traffic_events import Paced, ZoneLimit
 from ..maps.lane_map import LaneMap
 from ..motion.planned_way import PieceLimit, PlannedWay
 from .area import Area
 from .nodes import NodeAreas
 from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
-from .safe_states import SafeStates, first_to_go_on, is_safe
+from .safe_states import SafeStates, first_to_go_on
 from .traveller import Traveller
 from .way import ZoneIndex
 from .zones import MAX_SPEED
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
     from ..motion.geometry import Pose2D
-    from .area import AreaState
+    from .area import AreaState, Request
     from .outline import Outline
     from .zones import Zone
 
@@ -60,11 +63,13 @@ class Traffic:
         self._nodes: Dict[str, NodeAreas] = {}  # by the file
         self._on_edges: Dict[Tuple[str, int], List[Area]] = {}  # all areas in which a robot on that edge holds a place
         self._dirty: List[Area] = []  # areas in which a place may have become free, in that order
-        self._serves = False
+        self._is_due = False  # whether it will be decided at the end of this instant who goes on
         self._is_told = True
         self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
-        self._jammed: Dict[Traveller, bool] = {}  # those that have closed a circle in which nobody could give way
-        self._has_moved = False  # whether anything has changed on which :meth:`may_take` depends
+        self._asking: List[Request] = []  # what robots have asked for at this instant
+        self._new: List[Request] = []  # those of them for which there was no place so far
+        self._to_look_at: Dict[Traveller, bool] = {}  # robots that may close a circle, or may give way in theirs now
+        self._has_moved = False  # whether anything has changed on which SafeStates depend
 
     def _group(self, name: Optional[str]) -> Optional[Area]:
         if name is None:
@@ -156,9 +161,10 @@ class Traffic:
                 _check_law(one.navigator)
             self._limits[name] = speed
         if travellers:
-            travellers[0].tell_limit(name, max_speed or 0.0, self.simulation.now_ns)
+            now_ns = self.simulation.now_ns
+            travellers[0].tell(ZoneLimit(now_ns, travellers[0].name, name, max_speed or 0.0))
         for one in travellers:
-            one.serve(lambda one, at_ns: one.keep_limit(area, name, max_speed or 0.0, at_ns), self.simulation.now_ns)
+            one.serve(lambda one, at_ns: _keep_limit(one, area, Paced(at_ns, one.name, name, max_speed or 0.0)), now_ns)
 
     def limited(self, start: Pose2D, corners: Any, goal: Pose2D) -> Any:
         """Return the way along ``corners`` with the speed limits of the zones."""
@@ -204,10 +210,6 @@ class Traffic:
         """Return the SafeStates of the present, valid until anything changes."""
         return SafeStates(self._travellers)
 
-    def may_take(self, traveller: Traveller, areas: Tuple[Area, ...]) -> bool:
-        """Return whether ``traveller`` may take a place in each of ``areas``; see :mod:`.safe_states`."""
-        return not traveller.is_careful or not areas or is_safe(self._travellers, traveller, areas)
-
     def left_by(self, traveller: Traveller) -> None:
         """Note that ``traveller`` has been removed."""
         self._travellers.pop(traveller, None)
@@ -228,49 +230,76 @@ class Traffic:
         """Call ``changed()`` whenever anything in :meth:`states` has changed."""
         self._followers.append(changed)
 
+    def ask(self, request: Request, now_ns: int) -> None:
+        """Have it decided at the end of this instant whether a robot gets the places that it asks for on its way."""
+        self._asking.append(request)
+        self.serve(now_ns)
+
+    def look_at(self, traveller: Traveller, now_ns: Optional[int] = None) -> None:
+        """Have :meth:`serve`, at ``now_ns`` [ns] or whenever it is called next, look for circles of a robot again."""
+        self._to_look_at[traveller] = True
+        if now_ns is not None:
+            self.serve(now_ns)
+
     def serve(self, now_ns: int) -> None:
-        """Let in, one after the other, the robots for which there is a place; then report what has changed."""
-        if self._serves:
-            return  # the call of this method further up the stack goes on with it
-        self._serves = True
+        """At the end of this instant, let in the robots for which there is a place, and report what has changed."""
+        if not self._is_due and (self._asking or self._dirty or self._to_look_at or not self._is_told):
+            self._is_due = True
+            self.simulation.queue.schedule(now_ns, DECISIONS, self._decide)
+
+    def _decide(self, now_ns: int, _now_ns: int) -> None:
+        """Do all that follows from the events of an instant, one thing after the other, in an order of their own.
+
+        The first of the robots that may go on does so, until none may; then the first that asked at this instant and
+        may not go on is held, and so on.
+        """
         try:
-            self._serve_in_order(now_ns)
-            while self.rules.policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT) and self._serve_safely(now_ns):
-                self._serve_in_order(now_ns)
+            while self._let_in(now_ns) or self._let_in_safely(now_ns) or self._turn_away(now_ns):
+                pass
             self._look_again(now_ns)
         finally:
-            self._serves = False
+            self._is_due = False
         if not self._is_told:
             self._is_told = True
             for changed in self._followers:
                 changed()
 
-    def _serve_in_order(self, now_ns: int) -> None:
-        """Let in the robots that are the first where they wait."""
-        while self._dirty:
-            area = self._dirty[0]
-            requests = area.may_be_next()
-            goes_on = next((one for one in requests if one.is_first()), None)
-            if goes_on is not None:
-                goes_on.traveller.serve(Traveller.go_on, now_ns)
-                continue
-            self._dirty.pop(0)
-            for one in requests:  # the area may have been opened, or they do not overtake one another any more
-                one.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+    def _let_in(self, now_ns: int) -> bool:
+        """Let in the first robot that may go on where anything has changed; return whether anything has followed."""
+        for request in self._asking:
+            if request.traveller.asked is request:
+                request.line_up()
+                self._new.append(request)
+                self._has_moved = True
+                self._ask_in(request.areas)
+        self._asking.clear()
+        self._dirty = [area for area in self._dirty if area.queue]
+        requests = sorted(dict.fromkeys(one for area in self._dirty for one in area.may_be_next()))
+        first = next((one for one in requests if one.is_first()), None)
+        if first is not None:
+            first.traveller.serve(Traveller.go_on, now_ns)
+            return True
+        self._dirty.clear()
+        for one in requests:  # the area may have been opened, or they do not overtake one another any more
+            one.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+        return bool(self._dirty or self._asking)
 
-    def jams(self, traveller: Traveller) -> None:
-        """Note that ``traveller`` has closed a circle in which nobody can give way; :meth:`serve` tries it again."""
-        self._jammed[traveller] = True
+    def _turn_away(self, now_ns: int) -> bool:
+        """Hold the first of the robots that have asked at this instant; return whether there was one."""
+        self._new = sorted(one for one in self._new if one.traveller.asked is one)
+        if not self._new:
+            return False
+        self._new[0].traveller.serve(Traveller.waits, now_ns)
+        return True
 
     def _look_again(self, now_ns: int) -> None:
-        jammed, self._jammed = self._jammed, {}
-        for one in jammed:
-            if one.request is not None:
-                one.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
+        travellers, self._to_look_at = self._to_look_at, {}
+        for one in travellers:
+            one.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
 
-    def _serve_safely(self, now_ns: int) -> bool:
+    def _let_in_safely(self, now_ns: int) -> bool:
         """Let in the first robot, in the order of requests, for which that is safe; return whether there was one."""
-        if not self._has_moved:
+        if not self._has_moved or self.rules.policy not in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT):
             return False
         self._has_moved = False
         request = first_to_go_on(self._travellers)
@@ -278,6 +307,17 @@ class Traffic:
             return False
         request.traveller.serve(Traveller.go_on, now_ns)
         return True
+
+
+def _keep_limit(one: Traveller, area: Area, paced: Paced) -> None:
+    """Have ``one`` go on by the new limit of a zone that its present way has not left yet, and tell ``paced``."""
+    leg = one.navigator.robot.leg
+    if leg is None or one.navigator.takes_none is not None:
+        return
+    driven = leg.distance_at(paced.time_ns) + BORDER
+    if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in one.stays(leg)):
+        one.tell(paced)
+        one.navigator.travel.change_way(paced.time_ns)
 
 
 def _check_law(navigator: Navigator) -> None:

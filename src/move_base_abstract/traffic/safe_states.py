@@ -30,17 +30,9 @@ def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, .
     return tuple(needs)
 
 
-def is_safe(travellers: Iterable[Traveller], taker: Traveller, takes: Tuple[Area, ...]) -> bool:
-    """Return whether all ``travellers`` that are able to reach their goals still are if ``taker`` gets ``takes``.
-
-    A robot without a goal is assumed to leave.
-    """
-    return SafeStates(travellers).allows(taker, takes)
-
-
 def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
-    """Return the first request of a careful robot (``is_careful``) that may have the places for which it waits."""
-    waiting = sorted(one.request for one in travellers if one.request is not None and one.is_careful)
+    """Return the first request of a careful robot (``is_careful``) that may have the places for which it asks."""
+    waiting = sorted(one.wants for one in travellers if one.is_careful and one.wants is not None)
     if not waiting:
         return None
     states = SafeStates(travellers)
@@ -48,7 +40,10 @@ def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
 
 
 class SafeStates:
-    """Answers questions about which robot may take a place in the present state; valid until anything changes."""
+    """Answers questions about which robot may take a place in the present state; valid until anything changes.
+
+    A robot without a goal is assumed to leave.
+    """
 
     def __init__(self, travellers: Iterable[Traveller]) -> None:
         self.travellers = list(travellers)

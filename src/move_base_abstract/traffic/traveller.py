@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 
 from ..common.ros_names import natural_order
 from ..goals.events import Abandoned, BrokenOff, Stands, Warned, new
-from ..goals.traffic_events import Entered, GaveWay, Left, Paced, Places, Prioritized, ZoneLimit
+from ..goals.traffic_events import Entered, GaveWay, Left, Places, Prioritized
 from .area import Area, Request
 from .circles import Circles
 from .drives import next_change
@@ -49,6 +49,8 @@ class Traveller:
         self.place = 0  # its number among all robots in the order of ``rank``
         self.held: Dict[Area, bool] = {}
         self.request: Optional[Request] = None
+        #: what it asks for while it drives; it is decided at the end of the instant
+        self.asked: Optional[Request] = None
         self.needs: Tuple[Area, ...] = ()
         #: whether it enters an area only if that is safe, see :mod:`.safe_states`: with AVOID, or after it gave way
         self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
@@ -60,7 +62,7 @@ class Traveller:
         if lanes is not None and traffic.rules.lane_price:
             source = lanes.source
             navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
-        self._tell = stream.tell
+        self.tell = stream.tell
         self._leg: Any = None
         self._pose: Any = None  # its pose while it stands
         self._crossings: List[Crossing] = []
@@ -111,29 +113,26 @@ class Traveller:
             rest.callback(self._traffic.serve, now_ns)
             rest.callback(self._end_hold, now_ns)
             for one in told:
-                self._tell(one)
+                self.tell(one)
 
     def _end_hold(self, now_ns: int) -> None:
         reason, self._reason = self._reason, None
         if reason is not None:
             self.navigator.travel.release(reason, now_ns)
 
-    def departs(self, leg: Any, now_ns: int) -> Optional[str]:
-        """Note that the robot starts on ``leg``; return the reason if it must wait where it is, or None.
-
-        See Travel.set_gate.
-        """
+    def departs(self, leg: Any, now_ns: int) -> None:
+        """Note that the robot starts on ``leg``; see Travel.set_gate."""
         self._leg = leg
         self._granted = ()
         self._crossings = crossings(with_groups(self.stays(leg)), self.held) if leg.distance > BORDER else []
-        first = self._crossings[0] if self._crossings else None
-        if not self.held or (first is not None and first.distance == 0.0 and set(self.held) <= set(first.leaves)):
+        first = next((one for one in self._crossings[:1] if one.distance == 0.0), None)
+        if not self.held or (first is not None and set(self.held) <= set(first.leaves)):
             self.circles.driven.clear()
         self._note_needs()
-        if self._crossings and self._crossings[0].distance == 0.0:
-            return self._cross(now_ns)
-        self._await_crossing()
-        return None
+        if first is not None:
+            self._cross(now_ns)
+        else:
+            self._await_crossing()
 
     def stays(self, way: Any) -> Sequence[Stay]:
         """Return the Stays of a leg, or of a WayBack, in zones, on lanes and at nodes."""
@@ -143,11 +142,6 @@ class Traveller:
             return stays
         return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
                 *stays_at_nodes(way, self._traffic.nodes(source).end_of)]
-
-    def settle(self, now_ns: int) -> None:
-        """Do what follows from a departure or a border: look for a circle of waiting, and let other robots in."""
-        self.circles.look(now_ns)
-        self._traffic.serve(now_ns)
 
     def _stands(self, event: Stands) -> None:
         """Note that the robot stands: it has arrived, was stopped, or was placed somewhere else."""
@@ -187,27 +181,13 @@ class Traveller:
         if priority == self.priority:
             return
         self.priority = priority
-        self._tell(Prioritized(now_ns, self.name, priority))
+        self.tell(Prioritized(now_ns, self.name, priority))
         if self.request is not None:
-            self.request = self.request.renewed()
+            self.request.line_up()
             self._traffic.changed(*self.request.areas)
             for area in self.request.areas:
                 self._traffic.freed(area)
-            self.settle(now_ns)
-
-    def tell_limit(self, zone: str, max_speed: float, now_ns: int) -> None:
-        """Report that a zone has another speed limit [m/s]."""
-        self._tell(ZoneLimit(now_ns, self.name, zone, max_speed))
-
-    def keep_limit(self, area: Area, zone: str, max_speed: float, now_ns: int) -> None:
-        """Go on by the new limit of a zone [m/s], if the present way has not left the zone yet."""
-        leg = self.navigator.robot.leg
-        if leg is None or self.navigator.takes_none is not None:
-            return
-        driven = leg.distance_at(now_ns) + BORDER
-        if any(stay.area is area and (stay.end is None or stay.end > driven) for stay in self.stays(leg)):
-            self._tell(Paced(now_ns, self.name, zone, max_speed))
-            self.navigator.travel.change_way(now_ns)
+            self._traffic.look_at(self, now_ns)
 
     def placed(self, now_ns: int) -> None:
         """Note that the robot is somewhere without having driven there: give back places elsewhere, take those here."""
@@ -245,7 +225,14 @@ class Traveller:
         self._traffic.serve(now_ns)
 
     def go_on(self, now_ns: int) -> None:
-        """Take the places for which the robot waits, and go on; it gives back those that it leaves at its departure."""
+        """Take the places that it asks for, and drive on. If it waits, it gives back others at its departure."""
+        if self.asked is not None:
+            asked, self.asked = self.asked, None
+            asked.withdraw()
+            self._passes(asked.areas, now_ns)
+            for area in asked.areas:
+                self._traffic.freed(area)
+            return
         request: Any = self.request
         self.request = None
         request.withdraw()
@@ -285,21 +272,14 @@ class Traveller:
     def _happen(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         try:
-            if self._goes_another_way(due_ns):
-                return
-            reason = self._cross(due_ns)
-            if reason is not None:
-                self.navigator.travel.hold(reason, due_ns)
-            self.settle(due_ns)
+            self._cross(due_ns)
+            self._traffic.serve(due_ns)
         except Exception as error:
             self.navigator.break_off(error)
 
     def _goes_another_way(self, now_ns: int) -> bool:
-        """If the robot would have to wait and another way is cheaper now, take that way; return whether it did."""
-        if not self._traffic.rules.lane_price:
-            return False
-        enters = self._enters()
-        if self._may_enter(enters, self._looks_at(enters)):
+        """If another way is cheaper now than to wait on this one, take that way; return whether the robot did."""
+        if not self._traffic.rules.lane_price or self._crossings[0].distance == 0.0:
             return False
         travel = self.navigator.travel
         target: Any = travel.target  # there is one, since the robot drives
@@ -317,23 +297,41 @@ class Traveller:
     def _enters(self) -> Tuple[Area, ...]:
         return tuple([area for area in self._crossings[0].enters if area not in self.held])
 
-    def _cross(self, now_ns: int) -> Optional[str]:
-        """Let the robot enter and leave areas at its next crossing; return the reason if it must wait, or None."""
+    def _cross(self, now_ns: int) -> None:
+        """Have the robot enter and leave areas at its next crossing; if it must ask for places, go on with that."""
         enters = self._enters()
-        ahead = self._looks_at(enters)
+        if self._traffic.rules.blocks == 1 and all(area.capacity is None and not area.is_closed for area in enters):
+            self._passes(enters, now_ns)
+        elif enters:
+            self.asked = Request(now_ns, self, enters, self._looks_at(enters))
+            self._traffic.ask(self.asked, now_ns)
+        else:
+            self._passes((), now_ns)
+
+    def _passes(self, enters: Tuple[Area, ...], now_ns: int) -> None:
+        """Enter the areas ``enters`` at the next crossing, and leave those that end there."""
         crossing = self._crossings.pop(0)
-        if self._may_enter(enters, ahead):
-            self._take(enters, now_ns)
-            self._give_back(crossing.leaves, now_ns)
-            self._note_needs()
-            self._await_crossing()
-            return None
+        self._take(enters, now_ns)
+        self._give_back(crossing.leaves, now_ns)
+        self._note_needs()
+        self._await_crossing()
+
+    def waits(self, now_ns: int) -> None:
+        """Stop where the robot asked for places that it does not get now, or take another way."""
+        request: Any = self.asked
+        self.asked = None
+        request.withdraw()
+        if self._goes_another_way(now_ns):
+            return
+        request.line_up()
+        crossing = self._crossings.pop(0)
         self._forget_crossings()
         self._give_back(crossing.leaves_anyway(), now_ns)
-        self.request = Request(now_ns, self, enters, ahead)
-        self._traffic.changed(*enters)
-        self._reason = self.request.reason
-        return self._reason
+        self.request = request
+        self._traffic.changed(*request.areas)
+        self._reason = request.reason
+        self.navigator.travel.hold(request.reason, now_ns)
+        self.circles.look(now_ns)
 
     def _looks_at(self, enters: Tuple[Area, ...]) -> Tuple[Area, ...]:
         """Return the areas behind those that it ``enters`` now that must have room, too."""
@@ -344,15 +342,10 @@ class Traveller:
         return tuple(area for area in ways if area not in self.held and area not in enters)[:max(
             0, blocks - len(enters))]
 
-    def _may_enter(self, enters: Tuple[Area, ...], ahead: Tuple[Area, ...]) -> bool:
-        for area in enters:
-            first = area.first(self)
-            if not area.has_room() or first is not None and first.traveller.priority >= self.priority:
-                return False
-        for area in ahead:
-            if not area.has_room():
-                return False
-        return self._traffic.may_take(self, enters)
+    @property
+    def wants(self) -> Optional[Request]:
+        """The request for which it waits, or which it has made at this instant on its way; None: there is none."""
+        return self.request if self.asked is None else self.asked
 
     @property
     def waits_only(self) -> bool:
@@ -370,7 +363,7 @@ class Traveller:
         self._traffic.changed(*request.areas)
         for area in request.areas:
             self._traffic.freed(area)
-        self._tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
+        self.tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
         self.navigator.travel.go_aside(reason, way, now_ns)
 
     def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
@@ -379,22 +372,27 @@ class Traveller:
             self._traffic.taken(area)
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
-                self._tell(Places(now_ns, self.name, area.name, area.capacity))
-            self._tell(new(Entered, (now_ns, self.name, 'entered', area.name)))
+                self.tell(Places(now_ns, self.name, area.name, area.capacity))
+            self.tell(new(Entered, (now_ns, self.name, 'entered', area.name)))
 
     def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
         for area in areas:
             if area in self.held:
                 del self.held[area], area.holders[self]
                 self._traffic.changed(area)
-                self._tell(new(Left, (now_ns, self.name, 'left', area.name)))
+                self.tell(new(Left, (now_ns, self.name, 'left', area.name)))
                 self._traffic.freed(area)
 
     def _warn(self, now_ns: int, text: str) -> None:
-        self._tell(Warned(now_ns, self.name, text))
+        self.tell(Warned(now_ns, self.name, text))
 
     def _forget_crossings(self) -> None:
         self._crossings = []
         if self._event is not None:
             self._event.cancel()
             self._event = None
+        asked, self.asked = self.asked, None
+        if asked is not None:
+            asked.withdraw()
+            for area in asked.areas:
+                self._traffic.freed(area)

@@ -79,11 +79,11 @@ class LockstepClock:
     def now_ns(self) -> int:
         """Run the events that are due at the present instant, and return this instant [ns].
 
-        So events of the robots come before requests of the same instant, as in the fleet in plain Python. The caller
-        holds the lock and has the turn.
+        So events of the robots come before requests of the same instant, as in the fleet in plain Python, but what is
+        decided about several robots comes after them. The caller holds the lock and has the turn.
         """
         if not playing.is_recording():
-            self.simulation.advance(self.participant.now_ns)
+            self.simulation.advance(self.participant.now_ns, decides=False)
         return self.simulation.now_ns
 
     def look_ns(self) -> int:
