@@ -1,4 +1,4 @@
-"""The order of robots in the file changes nothing: the same rows in each kind of world, those of one instant by robot."""
+"""The order of robots in the file changes nothing: the same rows in all kinds of worlds, at one instant by robot."""
 import json
 import random
 
