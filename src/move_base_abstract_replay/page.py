@@ -109,7 +109,7 @@ def _signs(runs: Sequence[Run], world: World) -> Dict[str, bool]:
 
 
 def _packed_world(world: World) -> str:
-    return Packer().text({'things': world.things, 'nodes': world.nodes})
+    return Packer().text({'things': world.things, 'nodes': world.nodes, 'levels': world.levels})
 
 
 def _file(name: str) -> str:

@@ -12,7 +12,7 @@ from move_base_abstract.runs.story import Story
 from .charges import Charges
 from .motions import Motions
 from .packed import Packer
-from .stays import count_orders, find_phases, find_stays
+from .stays import count_orders, find_limits, find_phases, find_stays
 from .timelines import find_links, find_timelines
 from .world import Box, World, box_of
 
@@ -33,6 +33,7 @@ class Run:
         self.motions = Motions(recording, world, self._charges)
         story = story_of(recording, world)
         self.stays = find_stays(story, world)
+        self.limits = find_limits(recording, world)
         self.phases, self.counts = find_phases(story.orders), count_orders(story.orders)
         self.timelines = find_timelines(recording, story, list(self.motions.tracks))
         self.links = find_links(recording, [line.name for line in self.timelines if line.is_robot])
@@ -118,6 +119,9 @@ class Run:
         packer.add('stay_robot', 'u4', (numbers[stay.robot] for stay in stays))
         packer.add('stay_thing', 'u4', (stay.thing for stay in stays))
         packer.add('stay_kind', 'u1', (stay.kind for stay in stays))
+        packer.add('limit_time', 'f8', (one.time_ns for one in self.limits))
+        packer.add('limit_thing', 'u4', (one.thing for one in self.limits))
+        packer.add('limit_speed', 'f8', (one.speed for one in self.limits))
 
     def _pack_charges(self, packer: Packer) -> None:
         knots = [self._charges.knots.get(name, []) for name in self._numbers]

@@ -1,6 +1,7 @@
 """The stays of robots in zones, on lanes and at places, and the phases of orders, as the page shows them."""
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from move_base_abstract.runs.orders_of_run import Order, Orders, Phase
     from move_base_abstract.runs.story import Stay, Story
 
+    from .recording import Recording
     from .world import World
 
 #: kinds of Stays on the page, and of Phases
@@ -42,6 +44,24 @@ def find_stays(story: Story, world: World) -> List[ThingStay]:
         if thing is not None:
             kind = IS_WAITING if stay.what == WAITS else IS_THERE
             found.append(ThingStay(stay.begin_ns, _shown_until(stay), stay.robot, thing, kind))
+    return found
+
+
+class LimitChange(NamedTuple):
+    """From ``time_ns`` on the speed limit of the thing with this number is ``speed`` [m/s], 0: none."""
+
+    time_ns: int
+    thing: int
+    speed: float
+
+
+def find_limits(recording: Recording, world: World) -> List[LimitChange]:
+    """Return the changes of the zones' speed limits in a Recording, in their order."""
+    numbers, found = world.numbers, []
+    for time_ns, _, kind, text in recording:
+        values: Sequence[Any] = json.loads(text) if kind == 'zone_limit' else ()
+        if len(values) == 2 and 'zone {}'.format(values[0]) in numbers and is_number(values[1]):
+            found.append(LimitChange(time_ns, numbers['zone {}'.format(values[0])], float(values[1])))
     return found
 
 

@@ -33,7 +33,9 @@ class Start(NamedTuple):
 class World:
     """The world that the page shows.
 
-    ``things``: zones, lanes and places as dictionaries for the page; ``nodes``: [name, x, y] of the lanes' nodes [m];
+    ``things``: zones, lanes and places as dictionaries for the page, a zone's ``max_speed`` [m/s, 0: none] as at the
+    start; ``levels``: the states of charge of the scenario's dispatcher at or below which a charge is ('critical') and
+    from which on it is ('good'), {}: the scenario has none; ``nodes``: [name, x, y] of the lanes' nodes [m];
     ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``:
     the map beside the scenario, None if there is none.
     """
@@ -43,6 +45,7 @@ class World:
     starts: Dict[str, Start] = field(default_factory=dict)
     currents: Dict[str, Any] = field(default_factory=dict)
     map_file: Optional[str] = None
+    levels: Dict[str, float] = field(default_factory=dict)
 
     @property
     def numbers(self) -> Dict[str, int]:
@@ -91,7 +94,7 @@ def make_world(scenario: Any) -> World:
     world = World()
     for zone in scenario.zones:
         world.things.append(_thing('zone', zone.name, zone.outline.points, zone.capacity,
-                                   charger=zone.charger is not None))
+                                   charger=zone.charger is not None, max_speed=zone.max_speed or 0.0))
         if zone.charger is not None:
             world.currents[zone.name] = zone.charger
     nets = {spec.settings.network.source: spec.settings.network for spec in scenario.robots
@@ -106,6 +109,10 @@ def make_world(scenario: Any) -> World:
     if len(world.things) > _MOST_THINGS:
         raise ReplayError('replay: got {} zones, lanes and places; allowed: at most {}'.format(
             len(world.things), _MOST_THINGS))
+    settings = scenario.dispatcher
+    if settings is not None:
+        world.levels = {'critical': settings.charge_below,
+                        'good': max(settings.charge_below, settings.charge_when_idle)}
     for spec in scenario.robots:
         world.starts[spec.name] = Start(spec.settings.start, spec.settings.battery)
     return world

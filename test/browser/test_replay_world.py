@@ -116,3 +116,31 @@ def test_a_thousand_robots_are_shown(browser, tmp_path):
     found = json.loads(browser.run('return JSON.stringify(window.replay.runs[0].poseAt(500, 30e9))'))
     assert 0.0 < found['y'] < 50.0
     assert browser.console() == []
+
+
+def test_the_limit_of_a_zone_and_the_level_of_a_charge_are_those_of_the_instant(browser, tmp_path):
+    fleet = Fleet(make_scenario({
+        'defaults': {'battery_capacity': 0.1, 'ambient_power': 36.0, 'log_motion': True},
+        'robots': [{'name': 'a'}, {'name': 'b', 'start_y': 5.0}],
+        'dispatcher': {'charge_below': 0.25, 'charge_when_idle': 0.6},
+        'zones': [{'name': 'slow', 'rectangle': [4, -1, 6, 1], 'max_speed': 0.4}]}), start_ns=0)
+    fleet.at(40 * S, lambda fleet: fleet.set_zone_limit('slow', 0.3))
+    fleet.at(60 * S, lambda fleet: fleet.set_zone_limit('slow'))
+    fleet.run(until=100.0)
+    fleet.robot('a').send(1.0, 0.0)
+    fleet.run()
+    fleet.write_log(tmp_path / 'run.jsonl')
+    write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html', scenario=fleet.scenario)
+    browser.open(tmp_path / 'page.html')
+
+    def said(choice, second):
+        browser.run('{}; window.replay.seek({}e9)'.format(choice, second))
+        browser.frame()
+        return browser.run(READOUT)
+    zone = 'window.replay.choose(null); window.replay.chooseThing(0)'
+    assert [said(zone, second) for second in (61, 20, 40)] == [
+        'zone slow · 0 in it', 'zone slow · 0 in it · at most 0.4 m/s', 'zone slow · 0 in it · at most 0.3 m/s']
+    robot = "window.replay.choose('b')"
+    assert [said(robot, second).split(' · ')[-2:] for second in (10, 60, 95)] == [
+        ['92 % charged', 'good'], ['50 % charged', 'below good'], ['21 % charged', 'critical']]
+    assert browser.console() == []

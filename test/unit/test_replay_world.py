@@ -15,7 +15,16 @@ from move_base_abstract_replay.motions import Motions
 from move_base_abstract_replay.page import write_page
 from move_base_abstract_replay.page_data import story_of
 from move_base_abstract_replay.recording import ReplayError, read_recording
-from move_base_abstract_replay.stays import ASSIGNED, IS_THERE, IS_WAITING, OPEN, count_orders, find_phases, find_stays
+from move_base_abstract_replay.stays import (
+    ASSIGNED,
+    IS_THERE,
+    IS_WAITING,
+    OPEN,
+    count_orders,
+    find_limits,
+    find_phases,
+    find_stays,
+)
 from move_base_abstract_replay.world import World, make_world
 from move_base_abstract_worlds.command import main as scenario_program
 from test_replay_page import unpacked
@@ -170,12 +179,35 @@ def test_a_plain_trace_of_a_warehouse_is_shown_on_its_map_without_being_told_whe
     assert '<b>1/2 +3</b>' in text
 
 
+def test_limits_of_zones_and_levels_of_charge_are_on_the_page_as_they_were(tmp_path):
+    fleet = Fleet(make_scenario({
+        'robots': [{'name': 'a'}], 'dispatcher': {'charge_below': 0.25, 'charge_when_idle': 0.6},
+        'zones': [{'name': 'other', 'rectangle': [0, 5, 1, 6]},
+                  {'name': 'slow', 'rectangle': [4, -1, 6, 1], 'max_speed': 0.4}]}))
+    changes = [(2 * S, 'other', 0.2), (2 * S, 'slow', None), (3 * S, 'slow', 0.3)]
+    for time_ns, zone, speed in changes:
+        fleet.at(time_ns, lambda fleet, zone=zone, speed=speed: fleet.set_zone_limit(zone, speed))
+    fleet.run()
+    fleet.write_log(tmp_path / 'run.jsonl')
+    page = [*fleet.trace, (4 * S, 'a', 'zone_limit', ('none', 1.0)), (4 * S, 'a', 'zone_limit', ('slow', 'fast')),
+            (4 * S, 'a', 'zone_limit', ())]  # rows of others, which say nothing
+    (tmp_path / 'run.jsonl').write_text(log_text(page))
+    world = make_world(fleet.scenario)
+    assert [thing['max_speed'] for thing in world.things] == [0.0, 0.4]
+    assert world.levels == {'critical': 0.25, 'good': 0.6}
+    assert find_limits(read_recording(tmp_path / 'run.jsonl'), world) == [
+        (time_ns, ['other', 'slow'].index(zone), speed or 0.0) for time_ns, zone, speed in changes]
+    write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html', scenario=fleet.scenario)
+    _, columns = unpacked((tmp_path / 'page.html').read_text().split('data-run>')[1].split('<')[0])
+    assert len(columns['limit_speed']) == 8 * 3
+
+
 def test_the_scenario_of_another_run_is_an_error_if_asked_for_and_left_alone_if_it_lies_there(tmp_path):
     (tmp_path / 'run.jsonl').write_text(log_text([(S, 'a', 'stands', (0.0, 0.0, 0.0))]))
     (tmp_path / 'scenario.yaml').write_text('robots: [{name: b}]\nzones: [{name: z, rectangle: [0, 0, 1, 1]}]\n')
     write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html')
     world, _ = unpacked((tmp_path / 'page.html').read_text().split('id="packed-world">')[1].split('<')[0])
-    assert world == {'things': [], 'nodes': []}
+    assert world == {'things': [], 'nodes': [], 'levels': {}}
     with pytest.raises(ReplayError, match='none of which is in the log'):
         write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html', scenario=tmp_path / 'scenario.yaml')
     with pytest.raises(ConfigurationError):

@@ -138,7 +138,8 @@ class MapView {
     const poses = [];
     for (let robot = 0; robot < this.run.robots; robot += 1) poses.push(this.run.poseAt(robot, this.player.time));
     const uses = this.player.world.usesAt(this.run, this.player.time);
-    this.world.draw(context, uses);
+    const limits = this.player.world.limitsAt(this.run, this.player.time);
+    this.world.draw(context, uses, limits);
     this.drawLinks(context, poses);
     this.run.hosts.forEach((host) => this.drawHost(context, host));
     for (const draw of ['drawTrail', 'drawWay', 'drawRobot']) {
@@ -147,7 +148,7 @@ class MapView {
     this.robots.drawOrders(context);
     this.write(context, poses, width, height);
     this.drawScale(context, height);
-    this.tell(poses, uses);
+    this.tell(poses, uses, limits);
   }
 
   // Write names as far as there is room: first where robots wait and which ones, then things with counts, then others.
@@ -239,11 +240,12 @@ class MapView {
   }
 
   // Show in words what the chosen robot does, or which robots are in the chosen thing; and the state of the orders.
-  tell(poses, uses) {
+  tell(poses, uses, limits) {
     const {run} = this, {chosen, chosenThing, world, time} = this.player;
     const robot = run.rows.findIndex((row) => row.robot && row.name === chosen);
     const text = robot >= 0 ? this.robots.words(robot, poses[robot]) : chosenThing === null ? ''
-      : world.words(world.things[chosenThing], uses.get(chosenThing), (number) => run.rows[number].name);
+      : world.words(world.things[chosenThing], uses.get(chosenThing), (number) => run.rows[number].name,
+        limits.get(chosenThing));
     if (this.readout.textContent !== text) this.readout.textContent = text;
     const orders = run.ordersAt(time);
     if (this.orders.textContent !== orders) this.orders.textContent = orders;

@@ -100,7 +100,8 @@ class RobotView {
     if (share === null || (this.run.robots > MANY_ROBOTS && !this.isChosen(robot))) return;
     const [x, y, radius] = [this.view.toX(pose.x), this.view.toY(pose.y), 1.25 * size + Math.min(3, 0.45 * size)];
     context.lineWidth = Math.max(1.75, 0.3 * size);
-    const full = share > 0.5 ? COLOURS.working : share > 0.2 ? COLOURS.waiting : COLOURS.failed;
+    const level = this.player.world.levelOf(share);
+    const full = {[GOOD]: COLOURS.working, [LOW]: COLOURS.waiting, [CRITICAL]: COLOURS.failed}[level];
     for (const [colour, part] of [[COLOURS.line, 1], [full, share]]) {
       if (part <= 0) continue;
       context.strokeStyle = colour;
@@ -143,10 +144,11 @@ class RobotView {
 
   // The state of the chosen robot in words.
   words(robot, pose) {
-    const {run} = this, {time} = this.player, share = run.chargeAt(robot, time);
+    const {run} = this, {time, world} = this.player, share = run.chargeAt(robot, time);
     const order = [...run.phases.at(time)].find((phase) => run.phase_robot[phase] === robot);
     return [run.rows[robot].name, this.state(robot).name, ...(pose ? [place(pose.x, pose.y, pose.yaw)] : []),
             ...(share === null ? [] : [`${Math.round(100 * share)} % charged`]),
+            ...(share === null || !('good' in world.levels) ? [] : [world.levelOf(share)]),
             ...(order === undefined ? [] : [`order ${run.orders[run.phase_order[order]]}`,
                                             `stop ${run.phase_stop[order]} of ${run.phase_stops[order]}`]),
     ].join(' · ');

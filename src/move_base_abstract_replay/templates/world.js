@@ -1,5 +1,6 @@
 // The zones, lanes and places of the scenario: where they are, the number of robots in them, and which ones wait.
 const INSIDE = 0, WAITS = 1;
+const CRITICAL = 'critical', LOW = 'below good', GOOD = 'good'; // levels of charge
 
 // The spans, of many, that hold at a time. It steps forwards and back from change to change, never from the beginning.
 class Present {
@@ -39,24 +40,44 @@ class World {
     return uses;
   }
 
+  // The speed limits of zones [m/s] that hold at a time: {thing: limit}.
+  limitsAt(run, time) {
+    const limits = new Map();
+    this.things.forEach(({max_speed}, k) => max_speed && limits.set(k, max_speed));
+    for (let k = 0; k < run.limit_time.length && run.limit_time[k] <= time; k += 1) {
+      if (run.limit_speed[k]) limits.set(run.limit_thing[k], run.limit_speed[k]);
+      else limits.delete(run.limit_thing[k]);
+    }
+    return limits;
+  }
+
+  // At which level of the scenario's dispatcher a state of charge is. Without a dispatcher it is for the colour only.
+  levelOf(share) {
+    const {critical = 0.2, good = 0.5} = this.levels;
+    return share <= critical ? CRITICAL : share < good ? LOW : GOOD;
+  }
+
   isFull(thing, use) {
     return thing.capacity !== null && use !== undefined && use.inside.length >= thing.capacity;
   }
 
-  // The sign of a thing: 'gate 1/2 +3' means one robot is in it, there is room for two, and three wait.
-  sign(thing, use, withName) {
+  // The sign of a thing: 'gate 1/2 +3 ≤ 0.5 m/s' means one robot is in it, there is room for two, three wait, and robots
+  // may drive at 0.5 m/s.
+  sign(thing, use, withName, limit) {
     const inside = use ? use.inside.length : 0, waiting = use ? use.waiting.length : 0;
     const counts = thing.capacity === null ? (inside ? `${inside}` : '') : `${inside}/${thing.capacity}`;
-    return [withName ? thing.name : '', counts, waiting ? `+${waiting}` : ''].filter(Boolean).join(' ');
+    return [withName ? thing.name : '', counts, waiting ? `+${waiting}` : '',
+            limit ? `≤ ${limit} m/s` : ''].filter(Boolean).join(' ');
   }
 
   // The use of a thing in words, with the names of robots.
-  words(thing, use, nameOf) {
+  words(thing, use, nameOf, limit) {
     const list = (robots) => robots.slice(0, 8).map(nameOf).join(', ') + (robots.length > 8 ? ', …' : '');
     const {inside, waiting} = use || {inside: [], waiting: []};
     const counts = thing.capacity === null ? `${inside.length} in it` : `${inside.length} of ${thing.capacity}`;
     return [`${thing.kind}${thing.charger ? ' with a charger' : ''} ${thing.name}`,
             inside.length ? `${counts}: ${list(inside)}` : counts,
+            ...(limit ? [`at most ${limit} m/s`] : []),
             ...(waiting.length ? [`${waiting.length} wait${waiting.length === 1 ? 's' : ''}: ${list(waiting)}`] : [])].join(' · ');
   }
 

@@ -6,8 +6,8 @@ class WorldView {
     Object.assign(this, {world, view});
   }
 
-  draw(context, uses) {
-    this.uses = uses;
+  draw(context, uses, limits) {
+    Object.assign(this, {uses, limits});
     const {things} = this.world;
     things.forEach((thing, k) => thing.kind === 'zone' && this.drawZone(context, thing, uses.get(k)));
     things.forEach((thing, k) => thing.kind === 'lane' && this.drawLane(context, thing, uses.get(k)));
@@ -105,15 +105,15 @@ class WorldView {
       const use = this.uses.get(k);
       if (k === chosen || (use && use.waiting.length)) order[0].push(k);
       else if (thing.capacity !== null && thing.kind !== 'lane' && use) order[1].push(k);
-      else if (thing.kind !== 'lane' && (thing.capacity !== null || isNear)) order[2].push(k);
+      else if (thing.kind !== 'lane' && (thing.capacity !== null || isNear || this.limits.has(k))) order[2].push(k);
     });
-    return (rank) => order[rank].forEach((k) => this.writeOne(labels, things[k], this.uses.get(k), rank, k === chosen));
+    return (rank) => order[rank].forEach((k) => this.writeOne(labels, k, rank, k === chosen));
   }
 
-  writeOne(labels, thing, use, rank, isChosen) {
-    const {view} = this, [x, y] = thing.middle, {scale} = view.camera;
+  writeOne(labels, k, rank, isChosen) {
+    const {view} = this, thing = this.world.things[k], [x, y] = thing.middle, {scale} = view.camera;
     const withName = isChosen || (thing.kind !== 'lane' ? scale > 9 || !rank : scale > 2 * NAMED_FROM);
-    const text = this.world.sign(thing, use, withName);
+    const text = this.world.sign(thing, this.uses.get(k), withName, this.limits.get(k));
     if (!withName && rank > 0) return;
     const gap = Math.max(8, thing.kind === 'place' ? 0.7 * thing.reach * scale + 3 : thing.kind === 'zone' ? 0.8 * scale : 8);
     labels.write(text, view.toX(x), view.toY(y), {
