@@ -16,7 +16,6 @@ from ..messages.packing import ZERO_TWIST, InFrame
 from ..transforms import tf_hub
 
 if TYPE_CHECKING:
-    from move_base_abstract.common.geometry import Pose2D
     from move_base_abstract.config.rates import Rate
     from move_base_abstract.config.settings import RobotSettings
     from move_base_abstract.engine.event_queue import Series
@@ -31,36 +30,81 @@ if TYPE_CHECKING:
 _DEAF_SECONDS = 0.1  # wall; the pause of the odometry of a robot that stands, if no node hears it
 
 
-class RobotPublisher:
-    """Publishes a robot's poses (by its backend), costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
+class PosePublisher:
+    """Publishes the poses of ``robot`` (Robot) by its ``backend`` (Backend): at events, and at ``pose_update_freq``."""
+
+    def __init__(self, settings: RobotSettings, host: Host, robot: Robot, backend: Any) -> None:
+        self._clock = host.clock
+        self._robot = robot
+        self._backend = backend
+        backend.follow(self._present)
+        self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
+        self._updates = host.clock.simulation.series(
+            robot.index, settings.values['pose_update_freq'], self._update, is_output=True,
+            is_heard=host.timing.when_heard(self._is_heard))
+        self._rates = host.rates
+        self._told: List[Rate] = []
+
+    def place(self, now_ns: int, is_event: bool = True) -> None:
+        """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
+        if not self._robot.reported.is_mute:
+            with sender(self._robot.index):  # tf is one topic of all robots of the process
+                self._show(now_ns, is_event)
+
+    def _show(self, now_ns: int, _is_event: bool) -> None:
+        self._backend.place(*self._moves(now_ns), now_ns)
+
+    def _moves(self, now_ns: int) -> Tuple[Any, Any]:
+        """Return the pose and the velocity at ``now_ns`` [ns], as the backend takes them."""
+        return self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns)
+
+    def _present(self) -> Optional[Tuple[Any, Any, int]]:
+        now_ns = self._clock.newcomers_ns()
+        return None if now_ns is None or self._robot.reported.is_mute else (*self._moves(now_ns), now_ns)
+
+    def restart(self) -> None:
+        """Allow stamps that are earlier than those before, because time has started anew."""
+        self._backend.restart()
+
+    def close(self) -> None:
+        """Publish nothing any more."""
+        for told in self._told:
+            self._rates.remove(told)
+        if self._updates is not None:
+            self._updates.stop()
+        self._backend.close()
+
+    def _is_heard(self) -> int:
+        return tf_hub.is_heard(self._backend.is_heard)
+
+    def _update(self, due_ns: int, _now_ns: int) -> int:
+        if self._pose_throttle.ready():
+            self.place(due_ns, is_event=False)
+        return self._clock.wall_to_ns(self._pose_throttle.remaining())
+
+
+class RobotPublisher(PosePublisher):
+    """Publishes a robot's poses, costmaps, ``current_goal``, ``cmd_vel`` and ``recovery_status``."""
 
     def __init__(self, names: RobotNames, settings: RobotSettings, host: Host, robot: Robot,
                  backend: Backend, costmaps: CostmapTopics, stream: Stream) -> None:
-        simulation = host.clock.simulation
-        self._clock = host.clock
-        self._robot = robot
-        self._backend: Any = backend
-        backend.follow(self._present)
         self._costmaps = costmaps
+        super().__init__(settings, host, robot, backend)
         self._global_frame = settings.values['global_frame']
         self._in_global_frame = InFrame(self._global_frame)
-        self._pose_throttle = host.throttle(settings.values['max_pose_rate'])
         self._current_goal = Outlet(names.own('current_goal'), PoseStamped, queue_size=0)
         self._cmd_vel = Outlet(names.topic('cmd_vel'), Twist, queue_size=10)
         self._recovery = rospy.Publisher(names.action('recovery_status'), RecoveryStatus, queue_size=1)
-        self._updates = simulation.series(robot.index, settings.values['pose_update_freq'], self._update,
-                                          is_output=True, is_heard=host.timing.when_heard(self._is_heard))
         self._updates_beat = settings.values['pose_update_freq'] >= settings.values['tf_heartbeat_freq']
         self._beats = settings.values['tf_heartbeat_freq'] > 0.0
         self._heartbeat = host.tf_heartbeat(settings.values['tf_heartbeat_freq'], settings.values['max_pose_rate'])
         self._heartbeat.add(self._beat, self._is_heard)
-        self._rates = host.rates
-        self._told = self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
+        self._tell_rates(settings.values['pose_update_freq'], settings.values['tf_heartbeat_freq'])
         self._rest = self._series_at_rest(settings, host)
         stream.subscribe('shown', {Departed: self._departed, Stands: lambda event: self._stand(event.time_ns),
                                    Aimed: self._aimed, WheelsStopped: self._wheels_stopped, Recovery: self._recovers,
                                    Lapse: self._lapsed})
-        self._stand(simulation.now_ns)
+        self._stand(self._clock.simulation.now_ns)
 
     def _series_at_rest(self, settings: RobotSettings, host: Host) -> Optional[Series]:
         """Return the Series that publishes the odometry of a robot that stands, or None."""
@@ -72,10 +116,10 @@ class RobotPublisher:
         return host.clock.simulation.series(self._robot.index, frequency, self._still_stands, is_output=True,
                                             is_heard=host.timing.when_heard(self._is_odometry_heard))
 
-    def _tell_rates(self, pose_frequency: float, tf_frequency: float) -> List[Rate]:
+    def _tell_rates(self, pose_frequency: float, tf_frequency: float) -> None:
         # While the robot drives, its poses go to tf, too.
-        return [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
-                self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
+        self._told += [self._rates.add('poses', lambda: pose_frequency, self._pose_hearers),
+                       self._rates.add('tf', lambda: max(pose_frequency, tf_frequency), tf_hub.hearers)]
 
     def _departed(self, event: Departed) -> None:
         if self._rest is not None:
@@ -95,24 +139,9 @@ class RobotPublisher:
         if self._rest is not None:
             self._rest.start(now_ns + self._rest.period_ns)
 
-    def place(self, now_ns: int, is_event: bool = True) -> None:
-        """Publish the robot's pose at ``now_ns`` [ns]. ``is_event``: it departs, stops, or localization lapses."""
-        if self._robot.reported.is_mute:
-            return
-        with sender(self._robot.index):  # tf is one topic of all robots of the process
-            pose = self._robot.pose_at(now_ns)
-            self._backend.place(pose, self._robot.velocity_at(now_ns), now_ns)
-            self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
-
-    def _present(self) -> Optional[Tuple[Pose2D, Tuple[float, float, float], int]]:
-        now_ns = self._clock.newcomers_ns()
-        if now_ns is None or self._robot.reported.is_mute:
-            return None
-        return self._robot.pose_at(now_ns), self._robot.velocity_at(now_ns), now_ns
-
-    def restart(self) -> None:
-        """Allow stamps that are earlier than those before, because time has started anew."""
-        self._backend.restart()
+    def _show(self, now_ns: int, is_event: bool) -> None:
+        super()._show(now_ns, is_event)
+        self._costmaps.moved(self._robot.reported.pose_at(now_ns), now_ns, is_event)
 
     def _lapsed(self, event: Any) -> None:
         self._backend.shift = self._robot.reported.shift
@@ -134,12 +163,9 @@ class RobotPublisher:
     def close(self) -> None:
         """Publish nothing any more."""
         self._heartbeat.remove(self._beat)
-        for told in self._told:
-            self._rates.remove(told)
-        for series in (self._updates, self._rest):
-            if series is not None:
-                series.stop()
-        self._backend.close()
+        if self._rest is not None:
+            self._rest.stop()
+        super().close()
         self._costmaps.close()
         for publisher in (self._current_goal, self._cmd_vel, self._recovery):
             publisher.unregister()
@@ -156,11 +182,6 @@ class RobotPublisher:
 
     def _is_heard(self) -> int:
         return tf_hub.is_heard(self._backend.is_heard, self._costmaps.is_heard)
-
-    def _update(self, due_ns: int, _now_ns: int) -> int:
-        if self._pose_throttle.ready():
-            self.place(due_ns, is_event=False)
-        return self._clock.wall_to_ns(self._pose_throttle.remaining())
 
     def _still_stands(self, due_ns: int, _now_ns: int) -> int:
         if not self._robot.reported.is_mute and self._pose_throttle.ready():

@@ -1,7 +1,7 @@
 """One robot that is driven by velocities, as Stage or a driver has it: ``cmd_vel``, odometry, tf, scans, teleports."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NoReturn, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, NoReturn, Sequence, Tuple
 
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
@@ -16,10 +16,10 @@ from move_base_abstract.goals.events import Stands
 from move_base_abstract.motion.frames import RobotFrames
 
 from ..backends.driven import DrivenBackend
-from ..lockstep import sender  # bound once: the package would look it up at each use
 from ..maps.robot_map import RobotMap
 from ..transforms import tf_hub
 from ..transforms.tf_lookup import TfLookup
+from .robot_publisher import PosePublisher
 from .robot_server import PriorityTopic, RobotServer
 from .teleport import Teleport
 
@@ -78,7 +78,7 @@ class VelocityServer(RobotServer):
         tell_start(self._stream, robot, None, self._clock.look_ns())
         backend = DrivenBackend(names, settings, robot, odometry)
         self._publisher = DrivePublisher(settings, host, robot, backend)
-        self._stream.subscribe('shown', {Stands: self._publisher.stands})
+        self._stream.subscribe('shown', {Stands: lambda event: self._publisher.stands(event.time_ns)})
         self._begin(robot, backend, robot_index)
 
     def close(self) -> None:
@@ -120,62 +120,29 @@ class VelocityServer(RobotServer):
             self.driver.use_map(self._map.check.occupancy, self._clock.now_ns())
 
 
-class DrivePublisher:
-    """Publishes what ``backend`` (DrivenBackend) shows of ``robot`` at the rate of poses, whether it drives or not."""
+class DrivePublisher(PosePublisher):
+    """Publishes what ``backend`` (DrivenBackend) shows of a robot, whether it drives or not."""
 
     def __init__(self, settings: RobotSettings, host: Host, robot: Robot, backend: DrivenBackend) -> None:
-        self._clock = host.clock
-        self._robot = robot
-        self._backend: Any = backend  # whose poses and velocities are pairs
-        backend.follow(self._present)
-        rate = settings.values['pose_update_freq']
-        self._throttle = host.throttle(settings.values['max_pose_rate'])
-        simulation = host.clock.simulation
-        self._series = simulation.series(robot.index, rate, self._tell, is_output=True,
-                                         is_heard=host.timing.when_heard(self._is_heard))
-        self._rates = host.rates
-        self._told = host.rates.add('odometry', lambda: rate, lambda: backend.hearers() + tf_hub.hearers())
+        super().__init__(settings, host, robot, backend)
+        rate, simulation = settings.values['pose_update_freq'], host.clock.simulation
+        self._told.append(host.rates.add('odometry', lambda: rate, lambda: backend.hearers() + tf_hub.hearers()))
         self.start(simulation.now_ns)
-        if self._series is None:
-            self._place(simulation.now_ns)
+        self.stands(simulation.now_ns)
 
     def start(self, now_ns: int) -> None:
         """Begin to publish at ``now_ns`` [ns]."""
-        if self._series is not None:
-            self._series.start_in_step(now_ns)
+        if self._updates is not None:
+            self._updates.start_in_step(now_ns)
 
-    def restart(self) -> None:
-        """Allow stamps that are earlier than those before, because time has started anew."""
-        self._backend.restart()
+    def stands(self, now_ns: int) -> None:
+        """Publish that the robot stands from ``now_ns`` [ns] on, if nothing is published at a rate."""
+        if self._updates is None:
+            self.place(now_ns)
 
-    def stands(self, event: Stands) -> None:
-        """Publish that the robot stands, if nothing is published at a rate."""
-        if self._series is None:
-            self._place(event.time_ns)
-
-    def close(self) -> None:
-        """Publish nothing any more."""
-        if self._series is not None:
-            self._series.stop()
-        self._rates.remove(self._told)
-        self._backend.close()
-
-    def _is_heard(self) -> int:
-        return tf_hub.is_heard(self._backend.is_heard)
-
-    def _tell(self, due_ns: int, _now_ns: int) -> int:
-        if self._throttle.ready():
-            self._place(due_ns)
-        return self._clock.wall_to_ns(self._throttle.remaining())
-
-    def _place(self, now_ns: int) -> None:
-        if not self._robot.reported.is_mute:
-            with sender(self._robot.index):  # tf is one topic of all robots of the process
-                self._backend.place(*self._backend.poses_at(now_ns), now_ns)
-
-    def _present(self) -> Optional[Tuple[Any, Any, int]]:
-        now_ns = self._clock.newcomers_ns()
-        return None if now_ns is None or self._robot.reported.is_mute else (*self._backend.poses_at(now_ns), now_ns)
+    def _moves(self, now_ns: int) -> Tuple[Any, Any]:
+        moves: Tuple[Any, Any] = self._backend.poses_at(now_ns)  # a pair each
+        return moves
 
 
 def _no_lookup(frame_id: str, _stamp_ns: int) -> NoReturn:
