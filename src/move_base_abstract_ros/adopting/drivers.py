@@ -1,5 +1,4 @@
 """Say what a velocity robot needs to take the place of what drove a robot: Stage, Gazebo, a controller, or a driver."""
-import math
 from typing import NamedTuple
 
 from . import kinds, models, poses, served
@@ -105,11 +104,8 @@ def _without_jerk(value):
 
 
 def _positive(value, default):
-    try:
-        found = float(value)
-    except (TypeError, ValueError):
-        return default
-    return found if math.isfinite(found) and found > 0.0 else default
+    found = poses.number_of(value)
+    return found if found is not None and found > 0.0 else default
 
 
 def _remapped(node, topics):

@@ -3,7 +3,6 @@
 xacro itself may not be here. So values that are more than numbers or names of properties (`${2*r}`, `$(arg ...)`) are
 not known.
 """
-import math
 import os
 import re
 
@@ -88,7 +87,7 @@ def _size_of(text):
     """Return the outline of a model's base as parameters of a robot: that of the first body that collides, or {}."""
     for name, body in _LINK.findall(text):
         found = _OUTLINE.search(body.partition('<collision')[2]) if name.rpartition('/')[2] in _BASES else None
-        numbers = [_float(word) for word in (found.group(1) or found.group(2)).split()] if found else []
+        numbers = [poses.number_of(word) for word in (found.group(1) or found.group(2)).split()] if found else []
         if None not in numbers and len(numbers) == 1:
             return {'robot_radius': numbers[0]}
         if None not in numbers and len(numbers) == 3:
@@ -137,8 +136,8 @@ def _place_of(text, frame):
         if re.search(r'<child\s+link\s*=\s*"{}"'.format(re.escape(frame)), joint):
             found = [re.search(r'{}\s*=\s*"([^"]*)"'.format(key), joint) for key in ('xyz', 'rpy')]
             xyz, rpy = (one.group(1).split() if one else [] for one in found)
-            x, y, z = [*map(_float, xyz), 0.0, 0.0, 0.0][:3]
-            return x or 0.0, y or 0.0, z or 0.0, ([*map(_float, rpy), 0.0, 0.0, 0.0][2] or 0.0)
+            x, y, z = [*map(poses.number_of, xyz), 0.0, 0.0, 0.0][:3]
+            return x or 0.0, y or 0.0, z or 0.0, ([*map(poses.number_of, rpy), 0.0, 0.0, 0.0][2] or 0.0)
     return 0.0, 0.0, 0.0, 0.0
 
 
@@ -148,13 +147,5 @@ def _tags(body):
 
 
 def _number(tags, key, default):
-    found = _float(tags.get(key, ''))
+    found = poses.number_of(tags.get(key, ''))
     return default if found is None else found
-
-
-def _float(text):
-    try:
-        found = float(text)
-    except ValueError:
-        return None
-    return found if math.isfinite(found) else None

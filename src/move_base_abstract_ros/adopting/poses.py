@@ -100,7 +100,7 @@ def _of_parameters(config):
     found = {}
     for key, param in config.params.items():
         parts = _INITIAL.fullmatch(key)
-        value = _number(param.value)
+        value = number_of(param.value)
         if parts and value is not None:
             found.setdefault((parts.group(1), parts.group(2)), [0.0] * 3)[_AXES[parts.group(3)]] = value
     for (above, prefix), pose in found.items():
@@ -133,7 +133,7 @@ def _is_robot(words):
 def frame_of(node):
     """Return (parent, child, (x, y, yaw) of the child in the parent [m, m, rad]) of a static publisher, or None."""
     words = words_of(node.args)
-    numbers = [_number(word) for word in words[:7]]
+    numbers = [number_of(word) for word in words[:7]]
     if len(words) < 8 or None in numbers[:6]:
         return None
     is_quaternion = numbers[6] is not None and len(words) >= 9
@@ -197,7 +197,7 @@ def _delta(config):
     for node in config.nodes:
         if node.package == 'fake_localization':
             values = [config.params.get('{}/{}'.format(name_of(node), delta)) for delta in _DELTAS]
-            x, y, yaw = (0.0 if value is None else _number(value.value) or 0.0 for value in values)
+            x, y, yaw = (0.0 if value is None else number_of(value.value) or 0.0 for value in values)
             if x or y or yaw:
                 return (*worlds.turned(x, y, yaw), yaw)
     return None
@@ -209,9 +209,9 @@ def _of_include(one):
     for name, text in one.arguments:
         words = name.lower().split('_')
         axis = [word for word in words if word in _AXES]
-        if len(axis) == 1 and _number(text) is not None and {re.sub(r'\d+$', '', word) for word in words
+        if len(axis) == 1 and number_of(text) is not None and {re.sub(r'\d+$', '', word) for word in words
                                                              if word not in _AXES} <= _BESIDE_AXES:
-            pose[_AXES[axis[0]]], is_there = _number(text), True
+            pose[_AXES[axis[0]]], is_there = number_of(text), True
         elif '-x' in text.split() or '-y' in text.split():
             flags, is_there = _flags(words_of(text))
             pose[:] = flags
@@ -228,8 +228,8 @@ def _flags(words):
     """Return (pose, whether there is one) of a spawner's arguments -x, -y and -Y."""
     pose, is_there = [0.0] * 3, False
     for word, after in zip(words, words[1:]):
-        if word in _FLAGS and _number(after) is not None:
-            pose[_FLAGS[word]], is_there = _number(after), True
+        if word in _FLAGS and number_of(after) is not None:
+            pose[_FLAGS[word]], is_there = number_of(after), True
     return tuple(pose), is_there
 
 
@@ -241,7 +241,8 @@ def words_of(text):
         return (text or '').split()
 
 
-def _number(value):
+def number_of(value):
+    """Return the finite number that a value is, or None."""
     if isinstance(value, bool):
         return None
     try:
