@@ -67,8 +67,7 @@ class Contacts:
             if touch_ns is not None:
                 body.ahead[None] = self._schedule(touch_ns - 1, now_ns, body, lambda at_ns: body.stall(at_ns, WALL))
             elif motion.arrive_ns > until_ns:
-                body.ahead[None] = self._schedule(
-                    until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns), lambda: False)
+                body.ahead[None] = self._schedule(until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns))
         for other in self.others(body, now_ns):
             if body.may_meet(other, now_ns):
                 touch_ns = _meeting_ns(body, spans, other, other.spans(other.motion, now_ns, until_ns), now_ns)
@@ -83,10 +82,10 @@ class Contacts:
             if other.stands_at is body:
                 self._schedule(now_ns, now_ns, other, other.retry)
 
-    def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object],
-                  keeps_going: Optional[Callable[[], bool]] = None) -> Any:
+    def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object]) -> Any:
+        """Schedule what a motion brings, which says itself whether time goes on for it."""
         return self.simulation.queue.schedule(max(due_ns, now_ns), body.robot.index,
-                                              lambda due_ns, _now_ns: act(due_ns), keeps_going=keeps_going)
+                                              lambda due_ns, _now_ns: act(due_ns), keeps_going=lambda: False)
 
     def _forget(self, body: Body) -> None:
         """Cancel what the robot was to touch."""
