@@ -91,11 +91,12 @@ def test_a_robot_leaves_a_queue_in_which_it_would_run_empty():
     spot = {'name': 'spot', 'x': 20.0, 'capacity': 1, 'duration': 10.0}
     for settings, done, empty in (({'charge_below': 0.05}, 0, ['r_0']), (AHEAD, 2, [])):
         dispatch = ahead_of({'name': 'o', 'every': 1.0, 'count': 2, 'stops': [{'place': 'spot'}]}, robots=1,
-                            each={0: {'start_x': 5.0}}, places=[spot], dispatcher=settings)
+                            each={0: {'start_x': 5.0}}, places=[spot], dispatcher=settings, log_motion=True)
         dispatch.fleet.add('digger', start_x=20.0)  # somebody else's robot, which works there for a long time
         dispatch.fleet.robot('digger').send_task(Task('dig', 0, 'spot', Pose2D(20.0), 600 * S))
         dispatch.run(until=3000.0)
         assert (len(told(dispatch, 'order_done')), empty_ones(dispatch)) == (done, empty)
+        assert dispatch.metrics()['emptied'] == len(empty)
     assert {row[4] for row in told(dispatch, 'order_returned')} == {'charge too low'}
     assert [row[4] for row in told(dispatch, 'order_done')] == ['done'] * 2
 

@@ -175,6 +175,8 @@ METRICS = {
                           lambda run: run.sum_of_fleet('energy_used')),
     'energy_charged': Metric('Energy charged', 'kWh', None, 'lower_bound', BATTERIES,
                              lambda run: run.sum_of_fleet('energy_charged')),
+    'emptied': Metric('Batteries that became empty away from a charger', 'times', 'lower', 'lower_bound', BATTERIES,
+                      lambda run: len(run.story.emptied)),
     'broken_properties': Metric('Broken properties', 'properties', 'lower', 'lower_bound', CHECKED),
 }
 #: the metrics that each trial has
