@@ -161,8 +161,13 @@ def test_no_node_ever_holds_more_robots_than_it_has_places_and_no_two_stand_in_o
     pairs += [pair for pair in itertools.combinations(names, 2)
               if pair not in pairs and pair[::-1] not in pairs and dice.random() < 0.2]
     starts = dice.sample(names, dice.randint(2, count - 1))
-    robots = {'r{}'.format(index): nodes[name] for index, name in enumerate(starts)}
-    left = {name: [dice.choice(list(nodes.values())) for _ in range(6)] for name in robots}
+    for name in names if seed % 2 else ():  # every other net has some nodes with spots
+        if dice.random() < 0.4:
+            x, y = nodes[name]
+            nodes[name] = x, y, {'spots': [[x + 1.0, y + number] for number in range(1, dice.randint(2, 3))]}
+    xy = {name: tuple(node[:2]) for name, node in nodes.items()}
+    robots = {'r{}'.format(index): xy[name] for index, name in enumerate(starts)}
+    left = {name: [dice.choice(list(xy.values())) for _ in range(6)] for name in robots}
 
     def send(robot):
         if left[robot]:
@@ -174,18 +179,21 @@ def test_no_node_ever_holds_more_robots_than_it_has_places_and_no_two_stand_in_o
     for robot in robots:
         send(robot)
     fleet.run(until=500.0)
-    check_places(fleet, robots, nodes)
+    check_places(fleet, robots, xy)
 
 
 def check_places(fleet, robots, nodes):
     """Count, from the log alone, who is at which node, and where robots stand between two instants."""
-    inside, at = {}, dict(robots)
+    inside, room, at = {}, {}, dict(robots)
     for _, instant in itertools.groupby(fleet.trace, lambda entry: entry.time_ns):
         for entry in instant:
-            if entry.kind == 'entered' and entry.values[0].startswith('node '):
-                assert inside.setdefault(entry.values[0], entry.robot) == entry.robot
+            if entry.kind == 'places':
+                room[entry.values[0]] = entry.values[1]
+            elif entry.kind == 'entered':
+                inside.setdefault(entry.values[0], set()).add(entry.robot)
+                assert len(inside[entry.values[0]]) <= room[entry.values[0]]
             elif entry.kind == 'left':
-                inside.pop(entry.values[0], None)
+                inside[entry.values[0]].remove(entry.robot)
             elif entry.kind == 'departed':
                 at.pop(entry.robot, None)
             elif entry.kind == 'stands':
@@ -193,7 +201,7 @@ def check_places(fleet, robots, nodes):
         assert len(set(at.values())) == len(at)
         for robot, place in at.items():
             for name, xy in nodes.items():
-                assert xy != place or inside['node ' + name] == robot
+                assert xy != place or robot in inside['node ' + name]
 
 
 def test_the_check_finds_two_robots_that_cannot_pass(tmp_path):
@@ -223,3 +231,95 @@ def test_a_robot_that_waits_for_a_full_node_keeps_nobody_from_leaving_it(tmp_pat
     fleet.robot('s').send(*CORRIDOR['J'])  # a is in the queue of the lane before it
     fleet.run()
     assert [row[1] for row in rows(fleet, 'ended')] == ['s', 'a'] and not rows(fleet, 'deadlock')
+
+
+#: three robots stand at D, on the north of the end of a lane A - D
+SPOTS = ((19.0, 2.0), (20.0, 2.0), (21.0, 2.0))
+DEPOT = {'A': (0.0, 0.0), 'B': (10.0, 0.0), 'D': (20.0, 0.0, {'spots': [list(spot) for spot in SPOTS]}),
+         'E': (30.0, 0.0, {'capacity': 1})}
+
+
+def stand(fleet):
+    return {robot.name: (round(robot.pose.x, 6), round(robot.pose.y, 6)) for robot in fleet.robots}
+
+
+def test_each_robot_at_a_node_with_spots_stands_at_its_own(tmp_path):
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE')), dict.fromkeys('abcd', (0.0, 0.0)))
+    for name in 'abcd':
+        fleet.robot(name).send(20.0, 0.0)
+        fleet.run_for(2.0)
+    fleet.run()
+    assert stand(fleet) == {**dict(zip('abc', SPOTS)), 'd': (10.0, 0.0)}  # d waits at the node before
+    assert [entry.values[0] for entry in fleet.trace if entry.kind == 'places'] == ['node D']
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[0], 'b': (0.0, 0.0), 'c': SPOTS[2], 'd': SPOTS[1]}
+    ended = [entry for entry in fleet.trace if entry.kind == 'ended']
+    assert [entry.values[1] for entry in ended] == ['SUCCEEDED'] * 5
+
+
+def test_a_robot_that_gets_another_spot_on_its_way_drives_there(tmp_path):
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE')), {'a': (0.0, 0.0), 'b': (30.0, 0.0)})
+    fleet.robot('a').send(20.0, 0.0)  # both would get the first spot at their departure; b is there first
+    fleet.run(until=1.0)
+    fleet.robot('b').send(20.0, 0.0)
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[1], 'b': SPOTS[0]}
+    departed = [entry.values[:2] for entry in fleet.trace if (entry.robot, entry.kind) == ('a', 'departed')]
+    assert departed == [SPOTS[0], SPOTS[1]]
+
+
+def test_a_robot_that_must_wait_at_a_node_with_spots_waits_at_its_spot(tmp_path):
+    robots = {'a': (0.0, 0.0), 'b': (10.0, 0.0), 'e': (30.0, 0.0)}
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE'), {'capacity': 1}), robots)
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(30.0, 0.0)
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[1], 'b': SPOTS[0], 'e': (30.0, 0.0)}
+    assert holders(fleet) == {'node D': ('a', 'b'), 'node E': ('e',)}
+    fleet.robot('e').send(0.0, 0.0)
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[1], 'b': (30.0, 0.0), 'e': (0.0, 0.0)}
+    entered = [entry.time_ns for entry in fleet.trace if (entry.robot, *entry.values) == ('b', 'node E')]
+    left = [entry.time_ns for entry in fleet.trace if (entry.robot, *entry.values) == ('b', 'node D')]
+    assert entered == left[1:]  # b asks for the lane where it departs from its spot, and gives D back there
+
+
+def test_a_robot_that_starts_at_a_spot_keeps_it_and_goes_back_to_it(tmp_path):
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE')), {'a': (0.0, 0.0), 's': SPOTS[0]})
+    fleet.robot('s').send(20.0, 0.0)  # it is there
+    fleet.robot('a').send(*SPOTS[0])
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[1], 's': SPOTS[0]}
+    assert [row[:2] for row in rows(fleet, 'ended')] == [(0, 's'), (22, 'a')]
+    fleet.robot('a').send(0.0, 0.0)
+    fleet.run()
+    fleet.robot('a').send(*SPOTS[2])
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[2], 's': SPOTS[0]}
+
+
+def test_a_robot_at_the_point_of_a_node_drives_to_its_spot_and_one_that_is_placed_at_a_spot_has_that_one(tmp_path):
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE')), {'a': (0.0, 0.0), 'd': (20.0, 0.0)})
+    fleet.robot('d').send(20.0, 0.0)
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.run(until=15.0)
+    fleet.robot('a').place(Pose2D(*SPOTS[2]))
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[2], 'd': SPOTS[0]}
+    assert [row[:2] for row in rows(fleet, 'ended')] == [(2, 'd'), (15, 'a')]
+
+
+@pytest.mark.parametrize('spots, words', [
+    ([[0, 1], [0, 1.01]], 'a spot more than 0.02 m from the other spots'),
+    ([[9, 0]], 'to which no other node is nearer'), ([[0, 1, 2]], 'a list of [x, y]')])
+def test_spots_that_cannot_be_are_refused_in_words(spots, words):
+    nodes = [{'name': 'a', 'x': 0, 'y': 0, 'spots': spots}, {'name': 'b', 'x': 10, 'y': 0}]
+    with pytest.raises(ConfigurationError) as caught:
+        make_lane_map({'nodes': nodes, 'edges': []})
+    assert words in str(caught.value)
+
+
+def test_there_are_as_many_spots_as_places():
+    with pytest.raises(ConfigurationError, match='allowed: 2 spots'):
+        make_lane_map({'nodes': [{'name': 'a', 'x': 0, 'y': 0, 'spots': [[0, 1]], 'capacity': 2}], 'edges': []})

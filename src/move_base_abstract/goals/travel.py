@@ -36,7 +36,7 @@ class Travel:
     """
 
     __slots__ = ('_navigator', '_arrive', '_robot', '_planner', '_agenda', '_tell', '_hearers', '_durations', '_gate',
-                 'limited', 'target', 'held_for', 'waits_for_release', 'drop_command')
+                 'limited', 'to_spot', 'target', 'held_for', 'waits_for_release', 'drop_command')
 
     def __init__(self, navigator: Navigator, robot: Robot, planner: StraightLinePlanner, agenda: Agenda, stream: Stream,
                  durations: Optional[Union[GoalDurations, GoalAttempts]]) -> None:
@@ -50,6 +50,8 @@ class Travel:
         self._gate: Optional[Traveller] = None
         #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
         self.limited: Optional[Callable[[Pose2D, Corners, Pose2D], Corners]] = None
+        #: to_spot(start, corners, target) returns the way to where the robot is to stand, and its end; None: the target
+        self.to_spot: Optional[Callable[[Pose2D, Corners, Pose2D], Tuple[Corners, Pose2D]]] = None
         #: the pose in the global frame that the robot works on, or None
         self.target: Optional[Pose2D] = None
         #: the reasons for which the robot is held, as texts in the order in which they came; empty: it may travel
@@ -98,6 +100,8 @@ class Travel:
             return
         robot = self._robot
         place: Pose2D = aside or self.target  # type: ignore[assignment]  # it has one; a call of _aimed costs more
+        if self.to_spot is not None and aside is None:
+            corners, place = self.to_spot(robot.pose_at(now_ns), corners, place)
         try:
             if self.limited is not None:
                 corners = self.limited(robot.pose_at(now_ns), corners, place)
@@ -185,8 +189,11 @@ class Travel:
             self.waits_for_release = False
             self._go_on(now_ns)
 
-    def change_way(self, now_ns: int, corners: Optional[Corners] = None) -> None:
-        """Stop the driving robot and go on from there, from rest, by ``corners``; None: by a new way."""
+    def change_way(self, now_ns: int, corners: Optional[Corners] = None, aside: Optional[Pose2D] = None) -> None:
+        """Stop the driving robot and go on from there, from rest, by ``corners``; None: by a new way.
+
+        With ``aside`` (Pose2D), go there first, by ``corners``.
+        """
         if self._durations is not None and self._robot.leg is not None:
             self._durations.interrupted(self._robot.leg, now_ns)
         self._agenda.clear()
@@ -194,7 +201,7 @@ class Travel:
         if corners is None:
             self._go_on(now_ns)
         else:
-            self.go(corners, now_ns)
+            self.go(corners, now_ns, aside and _beyond(aside, self._robot.tolerances.xy))
 
     @guarded
     def set_motion(self, limits: MotionLimits, tolerances: Tolerances, now_ns: int) -> None:

@@ -1,7 +1,7 @@
 """Lanes: a net of nodes and edges on which robots drive, read from a file.
 
     nodes:
-      - {name: depot, x: 0.0, y: 0.0, yaw: 1.57}
+      - {name: depot, x: 0.0, y: 0.0, yaw: 1.57, spots: [[-1, 1], [-1, -1]]}
       - {name: gate, x: 10.0, y: 0.0, capacity: 1}
     edges:
       - {from: depot, to: gate, speed: 0.5, capacity: 1}
@@ -26,11 +26,6 @@ from .topological_map import is_topological_map, nodes_of_text, plain_map
 NEAR = 0.01  # m; a robot as near as this to a node or a lane is there
 #: the name of a node, or of a place of a travel matrix
 NAME = Parameter('name', None, text(200))
-_CAPACITY = Parameter('capacity', None, integer(1))
-_NODE_TABLE = (NAME, Parameter('x', None, COORDINATE), Parameter('y', None, COORDINATE),
-               Parameter('yaw', 0.0, number(unit='rad')), _CAPACITY)
-#: the capacity of all nodes of a net that have none of their own
-_NODE_CAPACITY = Parameter('node_capacity', None, integer(1))
 _NODE_NAME = string('the name of a node')
 
 
@@ -40,12 +35,18 @@ def _points(value: Any) -> Tuple[Tuple[float, float], ...]:
     return tuple((COORDINATE(x), COORDINATE(y)) for x, y in value)
 
 
+_POINTS = 'a list of [x, y] [m, global frame, within +-1e9]'
+_CAPACITY = Parameter('capacity', None, integer(1))
+_NODE_TABLE = (NAME, Parameter('x', None, COORDINATE), Parameter('y', None, COORDINATE),
+               Parameter('yaw', 0.0, number(unit='rad')), _CAPACITY, Parameter('spots', (), _points, allowed=_POINTS))
+#: the capacity of all nodes of a net that have none of their own
+_NODE_CAPACITY = Parameter('node_capacity', None, integer(1))
 #: also the key of a zone
 GROUP = Parameter('group', None, robot_name, allowed=ROBOT_NAME_RULE)
 _EDGE_TABLE = (
     Parameter('from', None, _NODE_NAME),
     Parameter('to', None, _NODE_NAME),
-    Parameter('points', (), _points, allowed='a list of [x, y] [m, global frame, within +-1e9]'),
+    Parameter('points', (), _points, allowed=_POINTS),
     Parameter('length', None, number(1e-6, 1e9, unit='m')),
     Parameter('speed', None, number(1e-6, 1e6, unit='m/s')),
     _CAPACITY,
@@ -81,12 +82,15 @@ class LaneMap(NamedTuple):
     """``nodes`` {name: Pose2D} and ``edges`` (Edge, ...), both in the order of the file; ``source``: its path.
 
     ``capacities``: {node: the number of robots that have place there}; nodes that are not in it hold any number.
+    ``spots``: {node: ((x, y), ...) [m]}, where as many robots stand at a node as have place there; at nodes that are
+    not in it, robots stand at the node's own point.
     """
 
     nodes: Dict[str, Pose2D]
     edges: Tuple[Edge, ...]
     source: str
     capacities: Mapping[str, int] = {}
+    spots: Mapping[str, Tuple[Tuple[float, float], ...]] = {}
 
     @property
     def has_capacities(self) -> bool:
@@ -123,20 +127,27 @@ def make_lane_map(raw: Any, where: str = 'lanes') -> LaneMap:
         raw[_NODE_CAPACITY.name], _NODE_CAPACITY.name, _NODE_CAPACITY, where)
     nodes: Dict[str, Pose2D] = {}
     capacities: Dict[str, int] = {}
+    spots: Dict[str, Tuple[Tuple[float, float], ...]] = {}
     for index, entry in enumerate(raw['nodes']):
         here = '{}: nodes[{}]'.format(where, index)
         values = read_mapping(entry, _NODE_TABLE, here, ('name', 'x', 'y'))
         if values['name'] in nodes:
             raise ConfigurationError('{}: the name {} is there twice'.format(here, shown(values['name'])))
         nodes[values['name']] = Pose2D(values['x'], values['y'], values['yaw'])
-        capacity: int = values['capacity'] or of_all
+        capacity: int = values['capacity'] or len(values['spots']) or of_all
         if capacity:
             capacities[values['name']] = capacity
+        if values['spots']:
+            spots[values['name']] = values['spots']
+            if len(values['spots']) != capacity:
+                raise error(f'{here}: spots', values['spots'], f'{capacity} spots', f' with capacity: {capacity}')
     if not nodes:
         raise ConfigurationError('{}: nodes: got none; allowed: at least one'.format(where))
     edges = [_edge(entry, nodes, '{}: edges[{}]'.format(where, index)) for index, entry in enumerate(raw['edges'])]
     _check_different(edges, where)
-    return LaneMap(nodes, tuple(edges), where, capacities)
+    for name, own in spots.items():
+        _check_spots(name, own, nodes, where)
+    return LaneMap(nodes, tuple(edges), where, capacities, spots)
 
 
 def _edge(raw: Any, nodes: Dict[str, Pose2D], where: str) -> Edge:
@@ -159,6 +170,18 @@ def _edge(raw: Any, nodes: Dict[str, Pose2D], where: str) -> Edge:
 def path_length(points: Sequence[Tuple[float, float]]) -> float:
     """Return the length [m] of the way along ``points`` ((x, y), ...)."""
     return math.fsum(math.hypot(x - a, y - b) for (a, b), (x, y) in zip(points, points[1:]))
+
+
+def _check_spots(name: str, spots: Sequence[Tuple[float, float]], nodes: Dict[str, Pose2D], where: str) -> None:
+    """Check that the ``spots`` of a node are not at one another, and that no other node is as near to one.
+
+    :raises ConfigurationError: if they are not so; robots leave a spot for the node that is nearest.
+    """
+    for index, spot in enumerate(spots):
+        near = min(nodes, key=lambda one: (math.dist(spot, (nodes[one].x, nodes[one].y)), one != name))
+        if near != name or any(math.dist(spot, other) <= 2.0 * NEAR for other in spots[:index]):
+            raise error(f'{where}: node {shown(name)}: spots', list(spot), 'a spot more than {:g} m from the other '
+                        'spots, to which no other node is nearer'.format(2.0 * NEAR))
 
 
 def _check_different(edges: List[Edge], where: str) -> None:

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from .outline import Outline
     from .traveller import Traveller
 
+Point = Tuple[float, float]
+
 
 class AreaState(NamedTuple):
     """The state of an area of the ``kind`` 'zone', 'lane', 'node' or 'group'.
@@ -28,19 +30,22 @@ class AreaState(NamedTuple):
 
 
 class Area:
-    """A zone with its ``outline`` (Outline), or a lane, a node at ``point`` (x, y) [m], or a group.
+    """A zone with its ``outline`` (Outline), or a lane, a node at ``point`` (x, y) [m] with its ``spots``, or a group.
 
     Its ``name`` contains the kind, for example 'zone gate' or 'lane depot - gate'. A robot that is in the area holds a
     place there; ``capacity`` is the number of places, None: any number.
     """
 
     def __init__(self, kind: str, name: str, capacity: Optional[int] = None, outline: Optional[Outline] = None,
-                 group: Optional[Area] = None, point: Optional[Tuple[float, float]] = None) -> None:
+                 group: Optional[Area] = None, point: Optional[Point] = None,
+                 spots: Tuple[Point, ...] = ()) -> None:
         self.name = '{} {}'.format(kind, name)
         self._kind_and_name = kind, name
         self.capacity = capacity
         self.outline = outline
         self.point = point
+        self._spots = spots
+        self._standing: Dict[Traveller, int] = {}  # the numbers of the spots of robots that hold a place
         #: the area of its group, in which a robot in this area holds a place, too
         self.group = group
         self._members: List[Area] = []  # the areas of this group that have an outline
@@ -91,10 +96,36 @@ class Area:
     def contains(self, x: float, y: float) -> bool:
         """Return whether a robot at (x, y) [m] is in this zone, at this node, or in a zone of this group."""
         if self.point is not None:
-            return math.dist(self.point, (x, y)) <= NEAR
+            return math.dist(self.point, (x, y)) <= NEAR or self.is_spot((x, y))
         if self.outline is not None:
             return self.outline.contains(x, y)
         return any(area.contains(x, y) for area in self._members)
+
+    def is_spot(self, point: Point) -> bool:
+        """Return whether one of the spots of this node is at ``point`` (x, y) [m]."""
+        return any(math.dist(spot, point) <= NEAR for spot in self._spots)
+
+    def spot(self, traveller: Traveller, wished: Point) -> Optional[Point]:
+        """Return the spot (x, y) [m] for ``traveller``, or None if this is no node with spots, or none is free.
+
+        A robot that holds a place keeps its spot. Another one has none of its own yet, and gets to know which one it
+        would get: the one at ``wished``, or the first one that is free.
+        """
+        self._standing = {one: number for one, number in self._standing.items() if one in self.holders}
+        number = self._standing.get(traveller)
+        if number is None:
+            taken = self._standing.values()
+            free = [number for number in range(len(self._spots)) if number not in taken]
+            if not free:
+                return None
+            number = next((one for one in free if math.dist(self._spots[one], wished) <= NEAR), free[0])
+            if traveller in self.holders:
+                self._standing[traveller] = number
+        return self._spots[number]
+
+    def forget_spot(self, traveller: Traveller) -> None:
+        """Let another robot have the spot of ``traveller``."""
+        self._standing.pop(traveller, None)
 
     def load(self, traveller: Traveller) -> float:
         """Return the number of other robots that hold a place or wait before ``traveller``, divided by the places.

@@ -235,6 +235,13 @@ class Traffic:
         self._asking.append(request)
         self.serve(now_ns)
 
+    def withdraw(self, request: Request) -> None:
+        """Have a robot no longer wait for the places of ``request``."""
+        request.withdraw()
+        self.changed(*request.areas)
+        for area in request.areas:
+            self.freed(area)
+
     def look_at(self, traveller: Traveller, now_ns: Optional[int] = None) -> None:
         """Have :meth:`serve`, at ``now_ns`` [ns] or whenever it is called next, look for circles of a robot again."""
         self._to_look_at[traveller] = True

@@ -135,8 +135,7 @@ def _first_free(stays: Sequence[Stay], length: float) -> Optional[float]:
 
     At a node, where it has a place of its own, a robot is out of the way, too. ``length`` [m]: that of the way.
     """
-    ends = sorted(length if stay.end is None else stay.end for stay in stays
-                  if stay.end is None and stay.area.point is not None or (stay.end or 0.0) > BORDER)
-    others = [stay for stay in stays if stay.area.point is None]
+    stays = [stay._replace(end=length) if stay.end is None and stay.area.point is not None else stay for stay in stays]
+    ends = sorted(stay.end for stay in stays if stay.end is not None and stay.end > BORDER)
     return next((end for end in ends if not any(
-        stay.begin < end - BORDER and (stay.end is None or stay.end > end + BORDER) for stay in others)), None)
+        stay.begin < end - BORDER and (stay.end is None or stay.end > end + BORDER) for stay in stays)), None)

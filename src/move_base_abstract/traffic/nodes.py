@@ -17,13 +17,14 @@ class NodeAreas:
     def __init__(self, lanes: LaneMap) -> None:
         self._nodes = lanes.nodes
         self._edges = lanes.edges
-        self.areas = {name: Area('node', name, capacity, point=(lanes.nodes[name].x, lanes.nodes[name].y))
+        self.areas = {name: Area('node', name, capacity, point=(lanes.nodes[name].x, lanes.nodes[name].y),
+                                 spots=lanes.spots.get(name, ()))
                       for name, capacity in lanes.capacities.items()}
         self._cells: Dict[Tuple[int, int], List[Area]] = {}  # of 1 m
-        for area in self.areas.values():
-            assert area.point is not None
-            x, y = area.point
-            for cell in dict.fromkeys(_cell(x + dx, y + dy) for dx in (-NEAR, NEAR) for dy in (-NEAR, NEAR)):
+        for name, area in self.areas.items():
+            points = [(lanes.nodes[name].x, lanes.nodes[name].y), *lanes.spots.get(name, ())]
+            for cell in dict.fromkeys(_cell(x + dx, y + dy) for x, y in points for dx in (-NEAR, NEAR)
+                                      for dy in (-NEAR, NEAR)):
                 self._cells.setdefault(cell, []).append(area)
 
     def at(self, x: float, y: float) -> List[Area]:

@@ -13,7 +13,8 @@ from .drives import next_change
 from .outline import BORDER
 from .rules import DeadlockPolicy
 from .safe_states import needs_of
-from .way import crossings, stays_at_nodes, stays_on_lanes, with_groups
+from .spots import standing_on
+from .way import crossings, from_spot, stays_at_nodes, stays_on_lanes, with_groups
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -40,12 +41,10 @@ class Traveller:
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
                  priority: int = 0) -> None:
-        #: a robot with a higher priority comes first where robots wait
-        self.priority = priority
+        self.priority = priority  # a robot with a higher one comes first where robots wait
         self.index = navigator.robot.index
         self.name = navigator.robot.name
-        #: the order of robots that ask at the same instant
-        self.rank = natural_order(self.name)
+        self.rank = natural_order(self.name)  # the order of robots that ask at the same instant
         self.place = 0  # its number among all robots in the order of ``rank``
         self.held: Dict[Area, bool] = {}
         self.request: Optional[Request] = None
@@ -55,7 +54,7 @@ class Traveller:
         #: whether it enters an area only if that is safe, see :mod:`.safe_states`: with AVOID, or after it gave way
         self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
         self._traffic = traffic
-        self.navigator = navigator
+        self.navigator: Navigator = navigator
         self._source = lanes.source if lanes is not None and lanes.has_capacities else None
         #: the edges (Edge, ...) of the net on which it drives
         self.edges: Sequence[Edge] = lanes.edges if lanes is not None else ()
@@ -63,6 +62,7 @@ class Traveller:
             source = lanes.source
             navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
         self.tell = stream.tell
+        self._standing = standing_on(lanes, self, traffic, navigator.travel)  # None: there are no spots
         self._leg: Any = None
         self._pose: Any = None  # its pose while it stands
         self._crossings: List[Crossing] = []
@@ -140,8 +140,12 @@ class Traveller:
         source = self._source
         if source is None:
             return stays
-        return [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
-                *stays_at_nodes(way, self._traffic.nodes(source).end_of)]
+        nodes = self._traffic.nodes(source)
+        stays = [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
+                 *stays_at_nodes(way, nodes.end_of)]
+        for node in nodes.at(way.start.x, way.start.y):
+            stays = from_spot(stays, node)
+        return stays
 
     def _stands(self, event: Stands) -> None:
         """Note that the robot stands: it has arrived, was stopped, or was placed somewhere else."""
@@ -206,10 +210,7 @@ class Traveller:
         self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
         if self.request is not None:
             request, self.request = self.request, None
-            request.withdraw()
-            self._traffic.changed(*request.areas)
-            for area in request.areas:
-                self._traffic.freed(area)
+            self._traffic.withdraw(request)
             self._end_hold(now_ns)
             self._traffic.serve(now_ns)
         elif self._granted:  # it has got a place, but another reason still holds it outside
@@ -256,10 +257,12 @@ class Traveller:
         for area in (*zones, *(zone.group for zone in zones if zone.group is not None), *nodes):
             if area not in self.held:
                 if not area.has_room():
-                    self._warn(now_ns, '{} stands in {}, which has no free place: {} robots of {} are there'
-                               '{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
-                                           ', and it is closed' if area.is_closed else ''))
+                    self.tell(Warned(now_ns, self.name, '{} stands in {}, which has no free place: {} robots of {} '
+                                      'are there{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
+                                                           ', and it is closed' if area.is_closed else '')))
                 self._take((area,), now_ns)
+            elif self._standing:
+                self._standing.takes(area, now_ns)
 
     def _await_crossing(self) -> None:
         if not self._crossings:
@@ -313,6 +316,8 @@ class Traveller:
         crossing = self._crossings.pop(0)
         self._take(enters, now_ns)
         self._give_back(crossing.leaves, now_ns)
+        if self._standing and self._standing.goes_elsewhere(now_ns):
+            return
         self._note_needs()
         self._await_crossing()
 
@@ -321,7 +326,8 @@ class Traveller:
         request: Any = self.asked
         self.asked = None
         request.withdraw()
-        if self._goes_another_way(now_ns):
+        if self._goes_another_way(now_ns) or self._standing and self._standing.goes_aside(
+                self._crossings[0].leaves, now_ns):
             return
         request.line_up()
         crossing = self._crossings.pop(0)
@@ -358,11 +364,8 @@ class Traveller:
         request: Any = self.request
         reason: Any = self._reason
         self._reason = self.request = None
-        request.withdraw()
         self.is_careful = True
-        self._traffic.changed(*request.areas)
-        for area in request.areas:
-            self._traffic.freed(area)
+        self._traffic.withdraw(request)
         self.tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
         self.navigator.travel.go_aside(reason, way, now_ns)
 
@@ -370,6 +373,8 @@ class Traveller:
         for area in areas:
             self.held[area] = area.holders[self] = True
             self._traffic.taken(area)
+            if self._standing:
+                self._standing.takes(area, now_ns)
             if area.capacity is not None and not area.is_told:
                 area.is_told = True
                 self.tell(Places(now_ns, self.name, area.name, area.capacity))
@@ -382,9 +387,6 @@ class Traveller:
                 self._traffic.changed(area)
                 self.tell(new(Left, (now_ns, self.name, 'left', area.name)))
                 self._traffic.freed(area)
-
-    def _warn(self, now_ns: int, text: str) -> None:
-        self.tell(Warned(now_ns, self.name, text))
 
     def _forget_crossings(self) -> None:
         self._crossings = []

@@ -119,12 +119,21 @@ def stays_at_nodes(leg: Any, node_at: Callable[[Optional[int], Tuple[float, floa
         is_end = is_last or edge is None or pieces[number + 1][0] != edge
         area = node_at(edge, point) if is_end and not (is_last and leg.corners.ends_on_lane) else None
         if area is not None and end > begun:
+            if stays and (stays[-1].area, stays[-1].end) == (area, begun):  # it goes on to its spot
+                begun = stays.pop().begin
             stays.append(Stay(area, begun, None if is_last else end))
         if is_last:
             break
         if pieces[number + 1][0] != edge:
             begun = end
     return stays
+
+
+def from_spot(stays: Sequence[Stay], node: Area) -> List[Stay]:
+    """Return the Stays of a way that begins at a spot of ``node``: there a robot asks for the first lane already."""
+    first = next((stay.end for stay in stays if stay.area is node and stay.begin == 0.0), None)
+    return [stay._replace(begin=0.0) if stay.begin == first else stay for stay in stays
+            if first is None or stay.area is not node]
 
 
 def _pieces(leg: Any) -> List[Tuple[Optional[int], float, Tuple[float, float]]]:
