@@ -1,4 +1,4 @@
-"""The world of a scenario for the page: zones, lanes, places, and where robots stand at first."""
+"""The world of a scenario for the page: zones, lanes, nodes, places, and where robots stand at first."""
 from __future__ import annotations
 
 import os
@@ -33,9 +33,10 @@ class Start(NamedTuple):
 class World:
     """The world that the page shows.
 
-    ``things``: zones, lanes and places as dictionaries for the page, a zone's ``max_speed`` [m/s, 0: none] as at the
-    start; ``levels``: the states of charge of the scenario's dispatcher at or below which a charge is ('critical') and
-    from which on it is ('good'), {}: the scenario has none; ``nodes``: [name, x, y] of the lanes' nodes [m];
+    ``things``: zones, lanes, nodes with a capacity (their points: their own one, then the spots) and places as
+    dictionaries for the page, a zone's ``max_speed`` [m/s, 0: none] as at the start; ``levels``: the states of charge
+    of the scenario's dispatcher at or below which a charge is ('critical') and from which on it is ('good'), {}: the
+    scenario has none; ``nodes``: [name, x, y] of the lanes' nodes [m];
     ``starts``: {robot: Start}; ``currents``: {zone: its charger's current [A], True: the robot's own}; ``map_file``:
     the map beside the scenario, None if there is none.
     """
@@ -103,11 +104,13 @@ def make_world(scenario: Any) -> World:
         world.nodes += [[name, pose.x, pose.y] for name, pose in net.nodes.items()]
         world.things += [_thing('lane', '{} - {}'.format(edge.begin, edge.end), edge.points, edge.capacity,
                                 one_way=edge.one_way) for edge in net.edges]
+        world.things += [_thing('node', name, [(net.nodes[name].x, net.nodes[name].y), *net.spots.get(name, ())],
+                                capacity) for name, capacity in net.capacities.items()]
     for place in (scenario.places or {}).values():
         world.things.append(_thing('place', place.name, [(place.pose.x, place.pose.y)], place.capacity,
-                                   reach=place.reach))
+                                   reach=place.reach, parking=place.parking))
     if len(world.things) > _MOST_THINGS:
-        raise ReplayError('replay: got {} zones, lanes and places; allowed: at most {}'.format(
+        raise ReplayError('replay: got {} zones, lanes, nodes and places; allowed: at most {}'.format(
             len(world.things), _MOST_THINGS))
     settings = scenario.dispatcher
     if settings is not None:

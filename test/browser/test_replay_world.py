@@ -103,6 +103,36 @@ def test_a_robot_that_has_not_left_is_there_with_its_charge_and_order_and_names_
     assert browser.console() == []
 
 
+def test_spots_are_rings_and_parking_places_have_a_letter(browser, tmp_path):
+    (tmp_path / 'net.yaml').write_text(json.dumps({
+        'nodes': [{'name': 'a', 'x': 0.0, 'y': 0.0}, {'name': 'lot', 'x': 9.0, 'y': 0.0, 'spots': [[8, 3], [10, 3]]},
+                  {'name': 'side', 'x': 5.0, 'y': 5.0, 'capacity': 1}], 'edges': [{'from': 'a', 'to': 'lot'}]}))
+    scenario = make_scenario({
+        'lanes': str(tmp_path / 'net.yaml'), 'defaults': {'routes': 'lanes'}, 'robots': [{'name': 'r'}],
+        'places': [{'name': 'garage', 'x': 9.0, 'y': 0.0, 'reach': 4.0, 'parking': True, 'capacity': 2}]})
+    fleet = Fleet(scenario)
+    fleet.robot('r').send(9.0, 0.0)
+    fleet.run()
+    fleet.write_log(tmp_path / 'run.jsonl')
+    write_page([tmp_path / 'run.jsonl'], tmp_path / 'page.html', scenario=scenario)
+    browser.open('{}?style=print'.format(tmp_path / 'page.html'))
+    browser.frame()
+    browser.run('window.replay.seek(26e9)')
+    browser.frame()
+    texts = [text for text, *_ in browser.run(BOXES)]
+    assert 'P' in texts and 'lot 1/2' in texts and 'garage' in texts
+    rings = """return [...document.querySelectorAll('.map svg path')].map((path) => path.getAttribute('d'))
+      .filter((d) => /^M[^A]*M[^A]*A[^AMZ]*A[^AMZ]*$/.test(d)).length"""
+    assert browser.run(rings) == 3
+    told = []
+    for thing in range(4):
+        browser.run('window.replay.chooseThing(arguments[0])', thing)
+        browser.frame()
+        told.append(browser.run(READOUT))
+    assert told[1:] == ['node lot · 1 of 2: r', 'node side · 0 of 1', 'parking place garage']
+    assert browser.console() == []
+
+
 def test_a_thousand_robots_are_shown(browser, tmp_path):
     robots = [{'name': 'r', 'count': 1000, 'step_x': 0.2, 'start_y': 3.0}]
     (tmp_path / 'run.jsonl').write_text(log_text(

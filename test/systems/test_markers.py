@@ -1,4 +1,5 @@
 """Robots as markers: their looks, and the times and sizes of the messages."""
+import math
 import tempfile
 import unittest
 from dataclasses import replace
@@ -100,6 +101,18 @@ class Looks:
                  for inside, waiting in (((), ()), (('c',), ('d', 'e')))]
         self.assertEqual([sign.text for sign in texts], ['0/1', '1/1\nwaits: d, e'])
         self.assertGreater(texts[1].color.r, 2.0 * texts[1].color.g)
+
+    def test_a_node_has_a_ring_at_each_spot_and_a_sign_if_it_has_room_for_several(self):
+        look = world_markers.AreaLook('node a', 'map', ((0.0, 0.0), (3.0, 4.0)), 1.0)
+        rings, sign = world_markers.draw_spots(look, world_markers.Use('a', ('r',), 2))
+        points = [(p.x, p.y) for p in rings.points]
+        self.assertEqual((points[:2], sign.text, sign.action), ([*look.corners], '1/2', Marker.ADD))
+        self.assertEqual({round(math.dist(point, (3.0, 4.0)), 6) for point in points[2:]}, {0.4})
+        ring, sign = world_markers.draw_spots(replace(look, corners=((1.0, 0.0),)), world_markers.Use('a', ('r',), 1))
+        self.assertEqual({round(math.dist((p.x, p.y), (1.0, 0.0)), 6) for p in ring.points}, {0.4})
+        self.assertEqual((sign.action, ring.color.r > 2.0 * ring.color.g), (Marker.DELETE, True))
+        _, sign = world_markers.draw_spots(look, world_markers.Use('a', ('r',), 1, ('s',)))
+        self.assertEqual((sign.action, sign.text), (Marker.ADD, '1/1\nwaits: s'))
 
     def test_the_nodes_of_a_net_are_dots_with_names_and_sent_once_to_each_who_looks(self):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as stream:

@@ -31,6 +31,7 @@ from test_replay_page import unpacked
 from test_replay_recording import S, log_text
 
 NODES = [{'name': 'n{}'.format(number), 'x': 10.0 * number, 'y': 0.0} for number in range(4)]
+NODES[1] = {**NODES[1], 'spots': [[10.0, 1.0], [10.0, -1.0]]}
 EDGES = [{'from': 'n{}'.format(number), 'to': 'n{}'.format(number + 1), 'capacity': 1} for number in range(3)]
 #: shares of the charge may differ by rounding only
 CLOSE = 1e-9

@@ -1,4 +1,4 @@
-// The zones, lanes and places of the scenario: where they are, the number of robots in them, and which ones wait.
+// The zones, lanes, nodes and places of the scenario: where they are, the number of robots in them, and which ones wait.
 const INSIDE = 0, WAITS = 1;
 const CRITICAL = 'critical', LOW = 'below good', GOOD = 'good'; // levels of charge
 
@@ -65,9 +65,15 @@ class World {
   // may drive at 0.5 m/s.
   sign(thing, use, withName, limit) {
     const inside = use ? use.inside.length : 0, waiting = use ? use.waiting.length : 0;
-    const counts = thing.capacity === null ? (inside ? `${inside}` : '') : `${inside}/${thing.capacity}`;
+    const hasRoom = thing.capacity !== null && (inside || !thing.parking); // robots that park are no guests
+    const counts = hasRoom ? `${inside}/${thing.capacity}` : inside ? `${inside}` : '';
     return [withName ? thing.name : '', counts, waiting ? `+${waiting}` : '',
             limit ? `≤ ${limit} m/s` : ''].filter(Boolean).join(' ');
+  }
+
+  // Whether the map is too small for its name: it is one of many.
+  isOneOfMany({kind, capacity}) {
+    return kind === 'lane' || (kind === 'node' && capacity === 1);
   }
 
   // The use of a thing in words, with the names of robots.
@@ -75,8 +81,8 @@ class World {
     const list = (robots) => robots.slice(0, 8).map(nameOf).join(', ') + (robots.length > 8 ? ', …' : '');
     const {inside, waiting} = use || {inside: [], waiting: []};
     const counts = thing.capacity === null ? `${inside.length} in it` : `${inside.length} of ${thing.capacity}`;
-    return [`${thing.kind}${thing.charger ? ' with a charger' : ''} ${thing.name}`,
-            inside.length ? `${counts}: ${list(inside)}` : counts,
+    return [`${thing.parking ? 'parking place' : thing.kind}${thing.charger ? ' with a charger' : ''} ${thing.name}`,
+            ...(inside.length ? [`${counts}: ${list(inside)}`] : thing.parking ? [] : [counts]),
             ...(limit ? [`at most ${limit} m/s`] : []),
             ...(waiting.length ? [`${waiting.length} wait${waiting.length === 1 ? 's' : ''}: ${list(waiting)}`] : [])].join(' · ');
   }
@@ -87,6 +93,7 @@ class World {
     this.things.forEach((thing, number) => {
       const far = thing.kind === 'zone' ? (contains(thing.points, x, y) ? 0.9 * reach : Infinity)
                 : thing.kind === 'lane' ? distanceToLine(thing.points, x, y)
+                : thing.kind === 'node' ? 0.5 * Math.min(...thing.points.map(([a, b]) => Math.hypot(a - x, b - y)))
                 : Math.max(0, Math.hypot(thing.points[0][0] - x, thing.points[0][1] - y) - thing.reach);
       if (far < least) [found, least] = [number, far];
     });
@@ -95,6 +102,7 @@ class World {
 }
 
 function middleOf({kind, points}) {
+  if (kind === 'node') return points[0];
   if (kind !== 'lane') return [0, 1].map((k) => points.reduce((sum, point) => sum + point[k], 0) / points.length);
   const {at: [a, b]} = longestPiece(points);
   return [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];

@@ -12,6 +12,7 @@ class WorldView {
     things.forEach((thing, k) => thing.kind === 'zone' && this.drawZone(context, thing, uses.get(k)));
     things.forEach((thing, k) => thing.kind === 'lane' && this.drawLane(context, thing, uses.get(k)));
     this.drawNodes(context);
+    things.forEach((thing, k) => thing.kind === 'node' && this.drawSpots(context, thing, uses.get(k)));
     things.forEach((thing, k) => thing.kind === 'place' && this.drawPlace(context, thing, uses.get(k)));
   }
 
@@ -87,6 +88,22 @@ class WorldView {
     }
   }
 
+  // A node with a capacity has a ring where a robot stands: around it, or at each of its spots, with lines to these.
+  drawSpots(context, thing, use) {
+    const [node, ...spots] = this.onMap(thing.points), size = Math.min(9, Math.max(2.5, 0.3 * this.view.camera.scale));
+    context.strokeStyle = use ? this.colour(thing, use) : COLOURS.node;
+    context.lineWidth = use ? 2 : 1;
+    for (const [x, y] of spots.length ? spots : [node]) {
+      context.beginPath();
+      context.moveTo(...node);
+      if (spots.length) context.lineTo(x, y);
+      context.moveTo(x + size, y);
+      context.arc(x, y, size, 0, 2 * Math.PI);
+      context.stroke();
+    }
+  }
+
+  // A parking place has the letter P.
   drawPlace(context, thing, use) {
     const [[x, y]] = thing.points, {view} = this, size = Math.min(9, Math.max(2.5, thing.reach * view.camera.scale * 0.7));
     context.fillStyle = COLOURS.panel;
@@ -94,25 +111,30 @@ class WorldView {
     context.lineWidth = use ? 2.5 : 1.25;
     context.fillRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
     context.strokeRect(view.toX(x) - size, view.toY(y) - size, 2 * size, 2 * size);
+    if (!thing.parking || size < 5) return;
+    Object.assign(context, {fillStyle: context.strokeStyle, font: `600 ${Math.round(1.6 * size)}px ${FONT}`,
+                            textAlign: 'center', textBaseline: 'middle'});
+    context.fillText('P', view.toX(x), view.toY(y));
+    context.textAlign = 'left';
   }
 
   // Return a function that writes the signs of one rank: 0 for the chosen thing and those with waiting robots, 1 for
-  // others in use with a capacity, 2 for the rest. Lanes are in rank 0 only; in rank 2, things without a capacity have
-  // names only from a certain scale on.
+  // others in use with a capacity, 2 for the rest. Lanes, and nodes for one robot, are in rank 0 only; in rank 2, things
+  // without a capacity have names only from a certain scale on.
   write(labels, chosen) {
     const {things} = this.world, isNear = this.view.camera.scale >= NAMED_FROM, order = [[], [], []];
     things.forEach((thing, k) => {
       const use = this.uses.get(k);
       if (k === chosen || (use && use.waiting.length)) order[0].push(k);
-      else if (thing.capacity !== null && thing.kind !== 'lane' && use) order[1].push(k);
-      else if (thing.kind !== 'lane' && (thing.capacity !== null || isNear || this.limits.has(k))) order[2].push(k);
+      else if (thing.capacity !== null && !this.world.isOneOfMany(thing) && use) order[1].push(k);
+      else if (!this.world.isOneOfMany(thing) && (thing.capacity !== null || isNear || this.limits.has(k))) order[2].push(k);
     });
     return (rank) => order[rank].forEach((k) => this.writeOne(labels, k, rank, k === chosen));
   }
 
   writeOne(labels, k, rank, isChosen) {
     const {view} = this, thing = this.world.things[k], [x, y] = thing.middle, {scale} = view.camera;
-    const withName = isChosen || (thing.kind !== 'lane' ? scale > 9 || !rank : scale > 2 * NAMED_FROM);
+    const withName = isChosen || (!this.world.isOneOfMany(thing) ? scale > 9 || !rank : scale > 2 * NAMED_FROM);
     const text = this.world.sign(thing, this.uses.get(k), withName, this.limits.get(k));
     if (!withName && rank > 0) return;
     const gap = Math.max(8, thing.kind === 'place' ? 0.7 * thing.reach * scale + 3 : thing.kind === 'zone' ? 0.8 * scale : 8);

@@ -1,4 +1,4 @@
-"""Markers of zones, places, lanes and their nodes, with the robots that are there and those that wait."""
+"""Markers of zones, places, lanes, their nodes and spots, with the robots that are there and those that wait."""
 from __future__ import annotations
 
 import math
@@ -118,9 +118,15 @@ def add(clock: Clock, scenario: Scenario, traffic: Traffic, rooms: Any) -> None:
               for edge in edges)]:
         look = AreaLook('{} {}'.format(kind, name), frame, points, size, kind == 'lane', one_way)
         told.areas.append(AreaMarkers(board, look, partial(told.use, kind, name, capacity)))
+    for net in nets:
+        for name, capacity in net.capacities.items():
+            points = (net.nodes[name].x, net.nodes[name].y), *net.spots.get(name, ())
+            look = AreaLook('node ' + name, frame, points, size)
+            told.areas.append(AreaMarkers(board, look, partial(told.use, 'node', name, capacity), draw_spots))
     for place in (rooms.places.values() if rooms is not None else ()):
         room = rooms.of(place.name)
-        area = AreaMarkers(board, AreaLook('place ' + place.name, frame, _circle(place), size),
+        outline = _circle(place.pose.x, place.pose.y, place.reach)
+        area = AreaMarkers(board, AreaLook('place ' + place.name, frame, outline, size),
                            partial(_use_of_place, place, room))
         if room is not None:
             room.follow(area.changed)
@@ -153,13 +159,15 @@ class _Traffic:
 
 
 def _use_of_place(place: Place, room: Room) -> Use:
-    return Use(place.name) if room is None else Use(place.name, room.workers, room.capacity, room.waiters)
+    title = place.name + (' (parking)' if place.parking else '')
+    if room is None or (place.parking and not room.workers):  # robots that park do not work
+        return Use(title)
+    return Use(title, room.workers, room.capacity, room.waiters)
 
 
-def _circle(place: Place) -> Tuple[Tuple[float, float], ...]:
+def _circle(x: float, y: float, radius: float) -> Tuple[Tuple[float, float], ...]:
     steps = [2.0 * math.pi * step / _CIRCLE for step in range(_CIRCLE)]
-    return tuple((place.pose.x + place.reach * math.cos(step), place.pose.y + place.reach * math.sin(step))
-                 for step in steps)
+    return tuple((x + radius * math.cos(step), y + radius * math.sin(step)) for step in steps)
 
 
 def sign_text(use: Use) -> str:
@@ -189,6 +197,29 @@ def draw(look: AreaLook, use: Use) -> List[Any]:
     sign.pose.position.y = min(y for _, y in look.corners) - 0.8 * look.size
     sign.pose.position.z = _SIGN_Z
     return [outline, sign]
+
+
+def draw_spots(look: AreaLook, use: Use) -> List[Any]:
+    """Return the markers of a node with a capacity: a ring where each robot stands, and a sign above the node.
+
+    The corners of ``look`` are the node's point and its spots; without spots the ring is around the node. A node for
+    one robot has a sign only if a robot waits.
+    """
+    colour = _FULL if use.closed or (use.capacity is not None and len(use.inside) >= use.capacity) else _FREE
+    rings = _marker(look, OUTLINE, Marker.LINE_LIST, colour)
+    rings.scale.x = 0.06 * look.size
+    node, *spots = look.corners
+    for spot in spots or [node]:
+        ring = _circle(*spot, 0.4 * look.size)
+        lines = [(node, spot), *zip(ring, (*ring[1:], ring[0]))]
+        rings.points += [Point(*end, _OUTLINE_Z) for line in lines if line[0] != line[1] for end in line]
+    sign = _marker(look, SIGN, Marker.TEXT_VIEW_FACING, colour)
+    sign.scale.z = 0.5 * look.size
+    sign.text = sign_text(replace(use, title='')).strip()
+    sign.pose.position = Point(node[0], node[1] + 0.7 * look.size, _SIGN_Z)
+    if use.capacity == 1 and not use.waiting:
+        sign.action = Marker.DELETE
+    return [rings, sign]
 
 
 def draw_nodes(look: AreaLook, nodes: Mapping[str, Tuple[float, float]]) -> List[Any]:
