@@ -63,14 +63,13 @@ def _outline(body):
 
 
 def _of_gazebo(config, hint):
-    text, size = models.text_of(config, hint.node)
-    laser, truth = models.laser_of(text), models.truth_topic(text)
-    drive, controller = models.drive_of(text), _controller_of(config, hint.namespace)
+    model, size = models.model_of(config, hint.node)
+    laser, truth = models.laser_of(model), models.truth_topic(model)
+    drive, controller = models.drive_of(model), _controller_of(config, hint.namespace)
     params = {**size, **laser}
     topics = {'base_pose_ground_truth': truth} if truth else {}
-    remarks = [] if text else ['its model is not here: its size, its laser and the topics of its plugins are not known']
-    if text and not laser:
-        remarks.append('no laser is seen in its model')
+    remarks = [] if laser else ['no laser is seen in its model' if len(model) else (
+        'its model is not here: its size, its laser and the topics of its plugins are not known')]
     if controller:
         name, values, is_holonomic = controller
         topics.update(cmd_vel=name + '/cmd_vel', odom=name + '/odom')
