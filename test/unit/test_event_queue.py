@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given, strategies as st
 
-from move_base_abstract.engine.event_queue import DECISIONS, EventQueue, Series
+from move_base_abstract.engine.event_queue import USERS, EventQueue
+from move_base_abstract.engine.series import Series
 from move_base_abstract.engine.simulation import Simulation
 
 TIMES = st.integers(0, 50)
@@ -307,10 +308,30 @@ def test_what_is_cancelled_long_before_it_is_due_does_not_stay():
 
 def test_what_is_decided_at_the_end_of_an_instant_can_be_left_until_all_has_come():
     simulation, told = Simulation(0), []
-    for index, due_ns in ((DECISIONS, 5), (1, 5), (DECISIONS, 4), (3, 6)):
+    for due_ns in (4, 5):
+        simulation.queue.schedule(due_ns, 1, lambda due_ns, _now_ns: simulation.queue.decide(
+            due_ns, lambda due_ns, _now_ns: told.append((due_ns, 'decided'))))
+    for due_ns, index in ((4, 2), (5, 2), (6, 3)):
         simulation.queue.schedule(due_ns, index, lambda due_ns, _now_ns, index=index: told.append((due_ns, index)))
     simulation.advance(5, decides=False)
-    assert (told, simulation.now_ns) == ([(4, DECISIONS), (5, 1)], 5)
-    simulation.queue.schedule(5, 2, lambda due_ns, _now_ns: told.append((due_ns, 2)))
+    assert told == [(4, 2), (4, 'decided'), (5, 2)] and simulation.next_due_ns() == 5
+    simulation.queue.schedule(5, 3, lambda due_ns, _now_ns: told.append((due_ns, 3)))
     simulation.advance(5)
-    assert told[2:] == [(5, 2), (5, DECISIONS)]
+    assert told[3:] == [(5, 3), (5, 'decided')] and simulation.next_due_ns() == 6
+
+
+def test_what_users_calls_cause_is_decided_after_all_of_those_of_one_turn():
+    simulation, told = Simulation(0), []
+    queue = simulation.queue
+
+    def call(name, more=()):
+        told.append(name)
+        queue.decide(1, lambda *_: told.append('decided for ' + name))
+        for other in more:
+            tell(other)
+    tell = queue.tell_at_end(USERS, lambda name: call(name, {'a': 'c'}.get(name, '')))
+    queue.schedule(1, 0, lambda *_: [queue.decide(1, lambda *_: told.append('decided')), tell('a'), tell('b')])
+    queue.schedule(1, USERS, lambda *_: call('x'))
+    queue.schedule(1, USERS + 2, lambda *_: call('y'))
+    simulation.run()
+    assert told == ['decided', 'x', 'a', 'b', 'c', 'y', *('decided for ' + name for name in 'xabcy')]

@@ -3,7 +3,6 @@ import numpy as np
 import pytest
 
 from move_base_abstract.common.units import NS_PER_S
-from move_base_abstract.engine.event_queue import DECISIONS
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.goals.outcome import CLOCK_RESTARTED, NODE_KILLED, ROBOT_RESET
 from move_base_abstract.goals.recovery import RecoveryPolicy
@@ -175,7 +174,7 @@ class Gate:
         """Note the departure."""
         self.asked.append((leg.end.x, now_ns))
         if not now_ns:
-            self.robot.simulation.queue.schedule(now_ns, DECISIONS, lambda due_ns, _now_ns: (
+            self.robot.simulation.queue.decide(now_ns, lambda due_ns, _now_ns: (
                 self.robot.navigator.travel.hold('border', due_ns)))
 
 

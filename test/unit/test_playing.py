@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from move_base_abstract.engine.event_queue import Series
+from move_base_abstract.engine.series import Series
 from move_base_abstract.engine.simulation import Simulation
 from move_base_abstract.lockstep import wire
 from move_base_abstract_ros.lockstep.exchange import playing

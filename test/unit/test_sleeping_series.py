@@ -1,5 +1,5 @@
 """Series that only tell, while nobody hears them and when somebody begins to."""
-from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS, Series
+from move_base_abstract.engine.series import NOBODY, ONLOOKERS, PARTICIPANTS, Series
 from move_base_abstract.engine.simulation import Simulation
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S, seconds_to_ns
 from ..engine.chance import Chance
-from ..engine.event_queue import DECISIONS
+from ..engine.event_queue import USERS
 from ..goals.events import Encounter, GoalChanged, Meets
 from ..goals.outcome import NO_CONTROL
 from ..motion.encounter_law import CROSSING, HEAD_ON, OVERTAKING, STANDING, EncounterLaw
@@ -91,7 +91,7 @@ class Encounters:
             due_ns = next_meeting(one.track, two.track, self.law.radius, times, now_ns)
             if due_ns is not None:
                 event = self.simulation.queue.schedule(
-                    due_ns, DECISIONS, lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
+                    due_ns, USERS - 1, lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
                 self._ahead[pair] = one.ahead[two.index] = two.ahead[one.index] = event
 
     def _forget(self, index: int) -> None:
@@ -107,7 +107,7 @@ class Encounters:
         del self._ahead[pair], one.ahead[other.index], other.ahead[one.index]
         self._met[pair] = one.goal_number, other.goal_number
         if not self._meet_now:
-            self.simulation.queue.schedule(now_ns, DECISIONS + 1, self._all_meet)
+            self.simulation.queue.decide(now_ns, self._all_meet)
         self._meet_now.append((one, other) if one.name < other.name else (other, one))
 
     def _all_meet(self, now_ns: int, _now_ns: int) -> None:

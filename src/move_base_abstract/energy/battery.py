@@ -16,8 +16,8 @@ from ..common.kinds import number
 from ..common.parameter_table import Parameter
 from ..common.units import LAST_NS, NS_PER_S
 from ..engine.alarm import Alarm
-from ..engine.event_queue import PARTICIPANTS
 from ..engine.instants import first_ns
+from ..engine.series import PARTICIPANTS
 from ..goals.events import ABOVE, BELOW, CHARGED, EMPTY, FULL, SET, USED, ChargePassed, ChargeRead, Charging
 from ..goals.outcome import BATTERY_EMPTY
 from ..goals.task_events import LoadChanged

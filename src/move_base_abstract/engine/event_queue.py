@@ -7,7 +7,10 @@ from heapq import heapify, heappop, heappush
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, List, Optional, Tuple
 
+from .series import ONLOOKERS
+
 if TYPE_CHECKING:
+    from .series import Series
     from .simulation import Simulation
 
     _Entry = Tuple[int, int, int, 'Event']
@@ -44,12 +47,8 @@ class _SpecialEvent(Event):
 
 _new_event = Event.__new__  # called without a constructor of ours, which would take most of the time
 
-#: the index of events that decide about several robots: at an instant they come after all that robots, users and
-#: processes do, so that they do not depend on the order of robots
-DECISIONS = 2 ** 31 + 7
-
-#: the listeners of a :class:`Series` that is output; time goes on for it alone only if participants listen
-NOBODY, ONLOOKERS, PARTICIPANTS = 0, 1, 2
+#: the index from which on events are calls of users and what follows from them; robots have lower ones
+USERS = 2 ** 31 - 1
 
 #: added to the places of series of output, so that they come after all other events of an instant and robot
 _OUTPUT = 1 << 62
@@ -59,6 +58,10 @@ _FEWEST_SWEPT = 4096  # with fewer entries the queue is not searched for cancell
 
 class EventQueue:
     """Events in the order of their time; at the same instant: lower robot index first, then first scheduled.
+
+    What concerns several robots is decided (:meth:`decide`) when all that robots do at an instant has happened, so it
+    does not depend on their order. Then users' calls come, all that are due; what follows from these is decided after
+    them, and so on.
 
     A :class:`Series` that is output comes after the robot's other events of that instant. So its place does not depend
     on when somebody began to listen.
@@ -71,6 +74,7 @@ class EventQueue:
         self._soon: List[_Entry] = []
         # A third queue, of what comes at its end: items to be told and events, as they came; see tell_at_end().
         self._ends: Deque[Any] = deque()
+        self._decisions: Deque[Tuple[int, Callable[[int, int], Any]]] = deque()  # (due_ns, action)
         self._end_index = _NO_INDEX
         self._tell_end: Callable[[Any], object] = self._ends.append
         self._instant_ns = now_ns  # the instant of the event that has happened last, or up to which all has happened
@@ -98,10 +102,15 @@ class EventQueue:
         self._end_index, self._tell_end = robot_index, tell
         return self._ends.append
 
+    def decide(self, now_ns: int, action: Callable[[int, int], Any]) -> None:
+        """Call ``action(due_ns, now_ns)`` when robots have done all that they do at this instant, ``now_ns`` [ns]."""
+        self._decisions.append((now_ns, action))
+
     @property
     def is_ending(self) -> bool:
-        """Whether anything is still to be told at the end of the present instant."""
-        return any(not isinstance(item, Event) or item.action is not None for item in self._ends)
+        """Whether anything is still to be told or decided at the end of the present instant."""
+        return bool(self._decisions) or any(
+            not isinstance(item, Event) or item.action is not None for item in self._ends)
 
     def new_output_place(self) -> int:
         """Return the place of a new series of output, among the events of one instant and robot."""
@@ -175,7 +184,10 @@ class EventQueue:
         heap = self._heap
         while heap and heap[0][3].action is None:
             heappop(heap)
-        return heap[0][0] if heap else None
+        due_ns = heap[0][0] if heap else None
+        if self._decisions:
+            return self._decisions[0][0] if due_ns is None else min(due_ns, self._decisions[0][0])
+        return due_ns
 
     def is_busy(self) -> bool:
         """Return whether there is an event for which alone time goes on."""
@@ -191,6 +203,8 @@ class EventQueue:
         That is: each event either does not keep time going, or is of a series that only onlookers hear.
         """
         is_any = False
+        if self._decisions:
+            return False
         for *_, event in chain(self._heap, self._soon):
             if event.action is not None:
                 if event.keeps_going is not None:
@@ -205,46 +219,59 @@ class EventQueue:
                   decides: bool = True) -> None:
         """Run all events that are due at ``until_ns`` [ns] or before, in order, with those scheduled meanwhile.
 
-        Unless ``decides``, those of ``until_ns`` with the index ``DECISIONS`` or above are left: more is to come.
-
         ``present.now_ns`` [ns] is set to the time of each event before it happens, and never back. The actions get
-        ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. If
-        ``until_ns`` is None, this goes on as long as the queue :meth:`is_busy`.
+        ``until_ns`` as the time of the clock, or, with ``instant_by_instant``, the time at which each is due. None:
+        this goes on as long as the queue :meth:`is_busy`. Unless ``decides``, nothing is decided at ``until_ns`` yet.
         """
-        later, soon, ends, entered_ns = self._heap, self._soon, self._ends, None
-        end_ns = math.inf if until_ns is None else until_ns
-        undecided_ns = None if decides else until_ns
-        while later or soon or ends:
+        later, soon, ends = self._heap, self._soon, self._ends
+        end_ns, undecided_ns, entered_ns = math.inf if until_ns is None else until_ns, None if decides else until_ns, -1
+        turn: Optional[int] = None  # in a turn of users' calls: how many of those that were to be told are left
+        while later or soon or ends or self._decisions:
             heap = soon if soon and (not later or soon[0] < later[0]) else later
+            if self._decisions and self._is_time_to_decide(heap, turn, present.now_ns, undecided_ns):
+                turn = None
+                self._take_decision(instant_by_instant, until_ns)
+                continue
             if ends and not (heap and heap[0][:2] <= (present.now_ns, self._end_index)):
+                turn = max(0, (len(ends) if turn is None else turn) - 1)
                 self._take_end(present.now_ns, present.now_ns if instant_by_instant else until_ns)
                 continue
-            due_ns, robot_index, _, event = heap[0]
-            if due_ns > end_ns or (due_ns == undecided_ns and robot_index >= DECISIONS):
+            if not heap or heap[0][0] > end_ns:
                 break
-            action = event.action
-            if action is None:  # cancelled
+            due_ns, robot_index, _, event = heap[0]
+            if event.action is None:  # cancelled
                 heappop(heap)
                 continue
             if until_ns is None and self.ever_waits and due_ns != entered_ns and not self.is_busy():
                 return
             heappop(heap)
-            event.action = None
-            entered_ns = due_ns
+            action, event.action = event.action, None
+            if due_ns != entered_ns or turn is None:
+                entered_ns, turn = due_ns, len(ends) if robot_index >= USERS else None
             if heap is later:
-                if due_ns > self._instant_ns:
-                    self._instant_ns = due_ns
-                if due_ns > present.now_ns:
-                    present.now_ns = due_ns
+                self._instant_ns, present.now_ns = max(due_ns, self._instant_ns), max(due_ns, present.now_ns)
             try:
                 action(due_ns, due_ns if instant_by_instant else until_ns)  # type: ignore[arg-type]
             except Exception as error:
-                break_off = self._guards.get(robot_index)
-                if break_off is None:
-                    raise
-                break_off(error)
-        if until_ns is not None and until_ns > self._instant_ns:
-            self._instant_ns = until_ns
+                self._break_off(robot_index, error)
+        self._instant_ns = max(self._instant_ns, -1 if until_ns is None else until_ns)
+
+    def _is_time_to_decide(self, heap: List[_Entry], turn: Optional[int], now_ns: int,
+                           undecided_ns: Optional[int]) -> bool:
+        """Return whether robots have done all of this instant, and a turn of users' calls has not begun or is over."""
+        if self._decisions[0][0] == undecided_ns or (heap and heap[0][:2] < (now_ns, USERS)):
+            return False
+        return turn is None or (turn == 0 and not (heap and heap[0][0] <= now_ns))
+
+    def _take_decision(self, instant_by_instant: bool, until_ns: Any) -> None:
+        due_ns, decide = self._decisions.popleft()
+        decide(due_ns, due_ns if instant_by_instant else until_ns)
+
+    def _break_off(self, robot_index: int, error: Exception) -> None:
+        break_off = self._guards.get(robot_index)
+        if break_off is None:
+            raise error
+        break_off(error)
 
     def _take_end(self, due_ns: int, now_ns: Any) -> None:
         item = self._ends.popleft()
@@ -284,108 +311,6 @@ class EventQueue:
         self._settle()
         self._instant_ns = -1
         self._heap[:] = [(due_ns + by_ns, *rest) for due_ns, *rest in self._heap]  # type: ignore[misc]
+        self._decisions = deque((due_ns + by_ns, action) for due_ns, action in self._decisions)
         for series in self._asleep:
             series.shift(by_ns)
-
-
-class Series:
-    """A periodic event: it is due at its start, and then every ``period_ns`` [ns], at exact multiples.
-
-    ``action(due_ns, now_ns)`` is called at most once for each time that the clock shows: multiples that the clock has
-    leapt over are left out, so that a fast clock does not flood the listeners. The k-th multiple stays at start + k *
-    period exactly. If an action has nothing to do for a while, it may return for how long [ns]; the multiples in
-    between are left out, too.
-
-    ``is_output``: the action changes nothing that another event could see, so it can be done beforehand. Such a series
-    has ``is_heard()``, which returns who listens: ``NOBODY``, ``ONLOOKERS`` or ``PARTICIPANTS``. While nobody does, the
-    series sleeps, that is, it has no events. When it is woken (:meth:`Simulation.wake`), it goes on as if it had never
-    slept. Its first event always happens.
-
-    :raises ValueError: if the period is not > 0.
-    """
-
-    def __init__(self, queue: EventQueue, robot_index: int, period_ns: int, action: Callable[[int, int], Optional[int]],
-                 is_output: bool = False, is_heard: Optional[Callable[[], int]] = None) -> None:
-        if not period_ns > 0:
-            raise ValueError('the period of a series must be > 0 ns, got {!r}'.format(period_ns))
-        self._queue = queue
-        self._robot_index = robot_index
-        self.period_ns = period_ns
-        self._action = action
-        self._output = self if is_output else None
-        self._event: Optional[Event] = None
-        self._asleep_until_ns: Optional[int] = None
-        self.is_heard = is_heard or _always
-        self.place = queue.new_output_place() if is_output else None
-
-    def start(self, first_ns: int) -> None:
-        """Start anew, with the first call at ``first_ns`` [ns]."""
-        self.stop()
-        self._schedule(first_ns)
-        self._queue.count_output(self._output is not None)
-
-    def start_in_step(self, now_ns: int) -> None:
-        """Start anew at ``now_ns`` [ns], with calls at whole multiples of the period."""
-        self.start(-(-now_ns // self.period_ns) * self.period_ns)
-
-    def stop(self) -> None:
-        """Stop the series; stopping it twice is allowed."""
-        if self._asleep_until_ns is not None:
-            self._asleep_until_ns = None
-            self._queue.forget_sleeper(self)
-        if self._event is not None:
-            self._event.cancel()
-            self._event = None
-            self._queue.count_output(-(self._output is not None))
-
-    def tell(self, due_ns: int) -> None:
-        """Do the action now that is due at ``due_ns`` [ns]."""
-        self._action(due_ns, due_ns)
-
-    def skip(self, due_ns: int) -> None:
-        """Go on after ``due_ns`` [ns], up to which others have done what this series does."""
-        if self._event is not None:
-            self._event.cancel()
-            self._go_on(due_ns + self.period_ns)
-
-    def wake(self, now_ns: int) -> Optional[int]:
-        """End the sleep: go on after ``now_ns`` [ns]. Return the last instant [ns] that was slept through, or None."""
-        due_ns, self._asleep_until_ns = self._asleep_until_ns or 0, None
-        self._queue.forget_sleeper(self)
-        missed = (now_ns - due_ns) // self.period_ns + 1 if due_ns <= now_ns else 0
-        self._queue.count_output(1)
-        self._schedule(due_ns + missed * self.period_ns)
-        return due_ns + (missed - 1) * self.period_ns if missed else None
-
-    def shift(self, by_ns: int) -> None:
-        """Move the next event of a series that is asleep by ``by_ns`` [ns]."""
-        self._asleep_until_ns = (self._asleep_until_ns or 0) + by_ns
-
-    def _go_on(self, due_ns: int) -> None:
-        if self.is_heard():
-            self._schedule(due_ns)
-        else:
-            self.fall_asleep(due_ns)
-
-    def fall_asleep(self, due_ns: int) -> None:
-        """Have no events until woken; ``due_ns`` [ns] is when the next one would be due."""
-        self._event = None
-        self._asleep_until_ns = due_ns
-        self._queue.count_output(-1)
-        self._queue.sleep(self)
-
-    def _schedule(self, due_ns: int) -> None:
-        self._event = self._queue.schedule(due_ns, self._robot_index, self._happen, self._output)
-
-    def _happen(self, due_ns: int, now_ns: int) -> None:
-        own = self._event
-        pause_ns = 0
-        try:
-            pause_ns = self._action(due_ns, now_ns) or 0
-        finally:
-            if self._event is own:  # the action has neither stopped nor restarted the series
-                self._go_on(due_ns + self.period_ns * ((now_ns + pause_ns - due_ns) // self.period_ns + 1))
-
-
-def _always() -> int:
-    return PARTICIPANTS

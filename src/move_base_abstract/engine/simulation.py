@@ -5,8 +5,9 @@ from typing import Callable, Optional
 
 from ..common.errors import TimeError
 from ..common.units import LAST_NS
-from .event_queue import EventQueue, Series
+from .event_queue import EventQueue
 from .guard import log_fault
+from .series import Series
 
 
 class Simulation:

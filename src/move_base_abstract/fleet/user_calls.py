@@ -5,6 +5,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple
 
 from ..common.arguments import check_function
+from ..engine.event_queue import USERS
 from ..goals.events import Beyond, Ended
 from ..goals.task_events import TaskEnded
 from ..motion.recorded_range import WARNING
@@ -20,10 +21,8 @@ if TYPE_CHECKING:
     Row = Tuple[Any, ...]
     OnEnd = Callable[[str, str, GoalState, str, int], object]
 
-#: above all robot indices, so that a user's calls come after the robots' events of the same instant
-_USER_INDEX = 2 ** 31 - 1
-#: above that, for the events of processes, which come last
-AFTER_USERS = _USER_INDEX + 2
+#: above a user's calls, for the events of processes, which come last
+AFTER_USERS = USERS + 2
 
 
 class UserCalls:
@@ -39,7 +38,7 @@ class UserCalls:
         self._on_event: Any = on_event
         self._listeners = {kind: listener for kind, listener in ((Ended, on_end), (TaskEnded, on_worked))
                            if listener is not None}
-        self._tell_later = simulation.queue.tell_at_end(_USER_INDEX, self._tell_now)
+        self._tell_later = simulation.queue.tell_at_end(USERS, self._tell_now)
         self._has_warned = False  # whether the user was warned of a goal outside the ranges of its calibration
 
     def subscribe(self, stream: Stream, with_motion: bool) -> None:
@@ -51,7 +50,7 @@ class UserCalls:
 
     def at(self, time_ns: int, call: Callable[[int, int], Any]) -> None:
         """Call ``call(due_ns, now_ns)`` at ``time_ns`` [ns], which must not be past."""
-        self._simulation.queue.schedule(time_ns, _USER_INDEX, call)
+        self._simulation.queue.schedule(time_ns, USERS, call)
 
     def tell(self, row: Row) -> None:
         """Call the user's ``on_event`` for a row that belongs to no robot's stream."""

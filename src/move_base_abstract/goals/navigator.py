@@ -23,7 +23,7 @@ from .travel import Travel
 
 if TYPE_CHECKING:
     from ..common.geometry import Pose2D
-    from ..engine.event_queue import Series
+    from ..engine.series import Series
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..motion.attempts import GoalAttempts

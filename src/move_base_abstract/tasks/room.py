@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from .arrivals import Task
 
 from ..common.ros_names import natural_order
-from ..engine.event_queue import DECISIONS
 from .places import Place
 
 #: a function that takes an instant [ns]
@@ -63,7 +62,7 @@ class Room:
         self._numbers = itertools.count()
         self._waiting: List[Guest] = []
         self._working: Dict[int, Guest] = {}  # by ticket, in the order in which they began
-        self._event: Any = None
+        self._is_due = False
         self._followers: List[Callable[[], object]] = []
 
     @property
@@ -99,11 +98,12 @@ class Room:
         self._waiting.insert(bisect.bisect_right(keys, guest.key), guest)
 
     def _look(self, now_ns: int) -> None:
-        if self._waiting and self._event is None:
-            self._event = self._queue.schedule(now_ns, DECISIONS, self._admit)
+        if self._waiting and not self._is_due:
+            self._is_due = True
+            self._queue.decide(now_ns, self._admit)
 
     def _admit(self, due_ns: int, _now_ns: int) -> None:
-        self._event = None
+        self._is_due = False
         while self._waiting and (len(self._working) < self.capacity or self._make_way(due_ns)):
             guest = self._waiting.pop(0)
             self._working[guest.ticket] = guest

@@ -16,7 +16,6 @@ from ..common.errors import ConfigurationError
 from ..common.parameter_table import checked
 from ..common.shown import shown_text
 from ..common.units import NS_PER_S
-from ..engine.event_queue import DECISIONS
 from ..goals.traffic_events import Paced, ZoneLimit
 from ..maps.lane_map import LaneMap
 from ..motion.planned_way import PieceLimit, PlannedWay
@@ -252,7 +251,7 @@ class Traffic:
         """At the end of this instant, let in the robots for which there is a place, and report what has changed."""
         if not self._is_due and (self._asking or self._dirty or self._to_look_at or not self._is_told):
             self._is_due = True
-            self.simulation.queue.schedule(now_ns, DECISIONS, self._decide)
+            self.simulation.queue.decide(now_ns, self._decide)
 
     def _decide(self, now_ns: int, _now_ns: int) -> None:
         """Do all that follows from the events of an instant, one thing after the other, in an order of their own.

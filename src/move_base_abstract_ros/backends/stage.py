@@ -10,7 +10,7 @@ from geometry_msgs.msg import Pose, PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from move_base_abstract.common.errors import FrameError
-from move_base_abstract.engine.event_queue import NOBODY
+from move_base_abstract.engine.series import NOBODY
 from move_base_abstract.motion.geometry import Pose2D, normalize_angle
 from move_base_abstract.supervision.follow_check import FollowCheck, StampCheck
 

@@ -19,7 +19,7 @@ from .fault_log import FaultLog
 from .hearers import Hearers
 
 if TYPE_CHECKING:
-    from move_base_abstract.engine.event_queue import Series
+    from move_base_abstract.engine.series import Series
 
 _DAY_NS = 86400 * NS_PER_S
 

@@ -11,7 +11,7 @@ import rospy
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.config.settings import EVENTS_ONLY
-from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
+from move_base_abstract.engine.series import NOBODY, PARTICIPANTS
 from move_base_abstract.lockstep import wire
 from move_base_abstract.motion.told import packed, told, told_of
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Callable, Iterator, List, Optio
 
 import rospy
 
-from move_base_abstract.engine.event_queue import NOBODY, ONLOOKERS, PARTICIPANTS
+from move_base_abstract.engine.series import NOBODY, ONLOOKERS, PARTICIPANTS
 
 from ..lockstep.exchange import playing
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Callable, List, Tuple
 
-from move_base_abstract.engine.event_queue import NOBODY
+from move_base_abstract.engine.series import NOBODY
 
 if TYPE_CHECKING:
     from .host import Host

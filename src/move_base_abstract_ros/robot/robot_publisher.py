@@ -18,7 +18,7 @@ from ..transforms import tf_hub
 if TYPE_CHECKING:
     from move_base_abstract.config.rates import Rate
     from move_base_abstract.config.settings import RobotSettings
-    from move_base_abstract.engine.event_queue import Series
+    from move_base_abstract.engine.series import Series
     from move_base_abstract.engine.stream import Stream
     from move_base_abstract.motion.robot import Robot
 

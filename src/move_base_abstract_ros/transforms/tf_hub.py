@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Optional, Sequ
 
 from tf2_msgs.msg import TFMessage
 
-from move_base_abstract.engine.event_queue import NOBODY, PARTICIPANTS
+from move_base_abstract.engine.series import NOBODY, PARTICIPANTS
 
 from ..lockstep.exchange import playing
 from ..messages import packing

@@ -18,7 +18,7 @@ from move_base_abstract.lockstep import wire
 from .links import sender
 
 if TYPE_CHECKING:
-    from move_base_abstract.engine.event_queue import Series
+    from move_base_abstract.engine.series import Series
 
     from ...clocks.lockstep_clock import LockstepClock
     from ...messages.packing import Pack
