@@ -256,10 +256,13 @@ class ByHand(unittest.TestCase):
                 'drive = rospy.Publisher("/other/cmd_vel", Twist, queue_size=1); twist = Twist(); '
                 'twist.linear.x = 0.5; at(4.0); drive.publish(twist); at(6.05); '
                 'say(rospy.wait_for_message("/other/odom", Odometry)); '
+                'rospy.ServiceProxy("/reset_positions", Empty)(); '
+                'say(rospy.wait_for_message("/other/odom", Odometry)); '
                 'print(rospy.ServiceProxy("/fleet/remove_robot", RemoveRobot)("other").success); at(8.0); '
                 'print(any(name.startswith("/other/odom") for name, _ in rospy.get_published_topics()))')
         rows, run = by_hand(body, beside=[('fleet', {'robots': []})])
-        self.assertEqual([rows[0], float(rows[1][3]), *rows[2:]], [['True'], 1.025, ['True'], ['False']])
+        self.assertEqual([rows[0], float(rows[1][3]), float(rows[2][3]), *rows[3:]],
+                         [['True'], 1.025, 0.0, ['True'], ['False']])
         self.assertEqual(run.end['not_repeatable_because'], [])
 
     def test_odometry_that_is_wrong_is_played_as_if_it_were_not_and_the_truth_is_true(self):

@@ -70,9 +70,9 @@ class FleetServer:
         self._services = [rospy.Service('~add_robot', AddRobot, self._on_add),
                           rospy.Service('~remove_robot', RemoveRobot, self._on_remove),
                           rospy.Service('~reset', Trigger, self._on_reset)]
-        if any(spec.settings.drive is not None for _, spec in specs):
-            name = namespace.rstrip('/') + '/reset_positions'
-            self._services.append(rospy.Service(name, Empty, self._on_reset_as_stage))
+        self._resets_as_stage = False
+        for _, spec in specs:
+            self._serve_as_stage(spec)
 
     @property
     def names(self) -> List[str]:
@@ -99,6 +99,13 @@ class FleetServer:
     def _forget_frame(self, name: str) -> None:
         self._frames = {frame: robot for frame, robot in self._frames.items() if robot != name}
 
+    def _serve_as_stage(self, spec: RobotSpec) -> None:
+        """Offer the service of stage_ros from the first robot on that is driven by velocities."""
+        if spec.settings.drive is not None and not self._resets_as_stage:
+            self._resets_as_stage = True
+            name = self._namespace.rstrip('/') + '/reset_positions'
+            self._services.append(rospy.Service(name, Empty, self._on_reset_as_stage))
+
     def _on_add(self, request: Any) -> Any:
         with self._changes:
             return self._add_requested(request)
@@ -110,6 +117,7 @@ class FleetServer:
             spec = make_robot(request.name, self._parameters(request), 'robot ' + shown_text(request.name))
             with bulk_registration():
                 self._add(spec, next(self._indices))
+            self._serve_as_stage(spec)
         except ConfigurationError as error:
             rospy.logwarn('%s: add_robot is refused: %s', rospy.get_name(), error)
             return AddRobotResponse(False, str(error))
