@@ -45,6 +45,12 @@ def rows(made):
     return {row['name']: {**scenario['defaults'], **row} for row in scenario['robots']}
 
 
+def retries_of(made):
+    """Return {namespace: max_planning_retries} of the parameters that are set."""
+    return {name.split('/')[1]: value for name, value in made.options.param.items()
+            if name.endswith('/move_base/max_planning_retries')}
+
+
 def pose(row):
     return tuple(row[key] for key in ('start_x', 'start_y', 'start_yaw'))
 
@@ -242,9 +248,15 @@ def test_real_navigation_stays_and_the_simulator_alone_is_replaced(package, tmp_
     assert list(made.options.replace) == ['map_server/map_server']
     assert made.options.leave_out == ('/stage',)
     assert rows(made)['robot_1']['publish_map_frame'] is False
+    assert retries_of(made) == {'robot_0': 0, 'robot_1': 0}  # they would plan at one instant for ever
+    for key, value in (('planner_frequency', 1.0), ('max_planning_retries', 3)):
+        asked = adopt(package('stage.launch', text), real_navigation=True, param={'/robot_0/move_base/' + key: value})
+        assert {name: value for name, value in retries_of(asked).items() if name != 'robot_0' or value == 0} == {
+            'robot_1': 0}
     without = adopt(package('stage.launch', text))
     assert list(without.options.replace) == ['map_server/map_server', 'move_base/move_base']
     assert '/robot_0/amcl' in without.options.leave_out and FLEET not in without.options.add
+    assert retries_of(without) == {}
 
 
 def test_navigation_that_is_not_here_is_told_as_a_loss(package):

@@ -61,6 +61,7 @@ def prepare(adoption, kept):
         for remark in drive.remarks:
             adoption.remarks.append('{}: {} ({})'.format(robot.name, remark, robot.place))
     _say_asking(adoption, kept)
+    _plan_once(adoption, kept)
     adoption.remarks += ["{} is taken for Stage's world, because the path that the file names is not here ({})".format(
         stage.world, stage.node.filename or '') for stage in adoption.stages
         if driven(adoption) and stage.world not in poses.words_of(stage.node.args)]
@@ -118,6 +119,26 @@ def _say_asking(adoption, kept):
         for word, what in _ASKS if path is not None else ():
             if programs.mentions(path, word):
                 adoption.remarks.append('{} {} ({})'.format(roles.name_of(node), what, node.filename or ''))
+
+
+def _plan_once(adoption, kept):
+    """Have each real move_base plan once, where it would try without a pause until planner_patience is over.
+
+    Computing takes no simulated time, so that would never be.
+    """
+    values = adoption.values()
+    for node in kept:
+        if kinds.kind_of(node.package, node.type).word != kinds.ROBOT or node.package != 'move_base' or not (
+                adoption.options.real_navigation or adoption.is_kept(node)):
+            continue
+        name = roles.name_of(node)
+        retries, frequency = (values.get('{}/{}'.format(name, key), default) for key, default in (
+            ('max_planning_retries', -1), ('planner_frequency', 0.0)))
+        if retries in (-1, None) and frequency in (0.0, None):
+            adoption.param[name + '/max_planning_retries'] = 0
+            adoption.done.append('{}: max_planning_retries is 0, because its planner_frequency is 0: it would plan '
+                                 'without a pause until planner_patience is over, and computing takes no time'.format(
+                                     name))
 
 
 def gathered(adoption, options):
