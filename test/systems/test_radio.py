@@ -1,5 +1,6 @@
 """Nodes as users write them, in Python and C++, on hosts of a radio: a robot drives out of the range of its caller."""
 import json
+import math
 import os
 import re
 import shutil
@@ -42,6 +43,21 @@ goal.target_pose.pose.position.x, goal.target_pose.pose.orientation.w = 30.0, 1.
 client.send_goal_and_wait(goal)
 rospy.spin()
 """
+# The same for a robot that is driven by velocities.
+DRIVING_SERVER = """#!/usr/bin/env python3
+import rospy
+from geometry_msgs.msg import Twist
+from std_srvs.srv import Trigger, TriggerResponse
+
+rospy.init_node('server')
+rospy.Service('/trigger', Trigger, lambda _request: TriggerResponse(True, ''))
+commands = rospy.Publisher('cmd_vel', Twist, queue_size=1)
+rospy.sleep(3.25)
+twist = Twist()
+twist.linear.x, twist.angular.z = 1.0, 0.5
+commands.publish(twist)
+rospy.spin()
+"""
 LAUNCH = """<launch>
   <arg name="heard" />
   <node pkg="move_base_abstract" type="fleet" name="fleet">
@@ -67,18 +83,19 @@ links: [{between: [base, robot_*], delay: 0.02, range: 10}]
 """
 
 
-class Radio(unittest.TestCase):
+class InFolder:
+    """Two runs, ``logs``, in a folder of their own with the files ``texts``, {name: text}."""
+
+    texts = {}
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp()
-        texts = {'server.py': SERVER, 'n.yaml': NETWORK, 'run.launch': LAUNCH, 'package.xml': PACKAGE}
-        for name, text in texts.items():
+        for name, text in {'package.xml': PACKAGE, **cls.texts}.items():
             with open(os.path.join(cls.folder, name), 'w', encoding='utf-8') as stream:
                 stream.write(text)
         os.chmod(os.path.join(cls.folder, 'server.py'), 0o755)
         cls.logs = [cls.run_once(number) for number in range(2)]
-        ahead = ('--lookahead', 'network')
-        cls.ahead = [cls.run_once(2, ahead), cls.run_once(3, ahead, ('taskset', '-c', '0'))]
 
     @classmethod
     def tearDownClass(cls):
@@ -87,16 +104,18 @@ class Radio(unittest.TestCase):
     @classmethod
     def run_once(cls, number, words=(), prefix=()):
         """Run once; return (bytes of the event log, lines that the server has written)."""
-        path = os.path.join(cls.folder, '{}.jsonl'.format(number))
+        path, heard_path = (os.path.join(cls.folder, '{}.{}'.format(number, kind)) for kind in ('jsonl', 'heard'))
+        with open(heard_path, 'w', encoding='utf-8'):
+            pass  # not all servers write into it
         environment = dict(os.environ, ROS_PACKAGE_PATH=cls.folder + ':' + os.environ['ROS_PACKAGE_PATH'])
         done = subprocess.run(
             [*prefix, find_executable('lockstep_launch'), *words, '--network', os.path.join(cls.folder, 'n.yaml'),
              '--event-log', path, '--log-messages', '--until', '20', os.path.join(cls.folder, 'run.launch'),
-             'heard:={}.heard'.format(os.path.join(cls.folder, str(number)))], env=environment,
+             'heard:=' + heard_path], env=environment,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False)
         if done.returncode != 0:
             raise AssertionError(done.stdout.decode('utf-8', 'replace'))
-        with open(path, 'rb') as stream, open(os.path.join(cls.folder, '{}.heard'.format(number))) as heard:
+        with open(path, 'rb') as stream, open(heard_path, encoding='utf-8') as heard:
             return stream.read(), heard.read().splitlines()
 
     def rows(self, kind, log=None):
@@ -104,6 +123,20 @@ class Radio(unittest.TestCase):
 
     def test_two_runs_are_equal_to_the_byte(self):
         self.assertEqual(*self.logs)
+
+    def test_nothing_labels_the_run(self):
+        end = json.loads(self.logs[0][0].splitlines()[-1])['end']
+        self.assertEqual((end['not_repeatable_because'], end['degraded_because']), ([], []))
+
+
+class Radio(InFolder, unittest.TestCase):
+    texts = {'server.py': SERVER, 'n.yaml': NETWORK, 'run.launch': LAUNCH}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        ahead = ('--lookahead', 'network')
+        cls.ahead = [cls.run_once(2, ahead), cls.run_once(3, ahead, ('taskset', '-c', '0'))]
 
     def test_with_the_network_s_delay_as_lookahead_two_runs_are_equal_to_the_byte_on_any_cores(self):
         self.assertEqual(*self.ahead)
@@ -153,6 +186,32 @@ class Radio(unittest.TestCase):
         quiet, _ = markers.of(links).markers
         self.assertEqual(quiet.color.g, 0.5)
 
-    def test_nothing_labels_the_run(self):
-        end = json.loads(self.logs[0][0].splitlines()[-1])['end']
-        self.assertEqual((end['not_repeatable_because'], end['degraded_because']), ([], []))
+
+class DrivenHost(InFolder, unittest.TestCase):
+    """A host that is driven by velocities on a circle, out of the range of its caller and into it again."""
+
+    texts = {'server.py': DRIVING_SERVER, 'n.yaml': NETWORK.replace('range: 10', 'range: 6'),
+             'run.launch': LAUNCH.replace('{max_speed: 1.0}', '{driven_by: velocities, cmd_vel_timeout: 0.0}')}
+
+    def setUp(self):
+        (self.begin_ns, _, place), = [(row['time_ns'], row['kind'], row['values']) for row in self.rows('driven')]
+        self.assertEqual(place, [5.0, 0.0, 0.0, 1.0, 0.0, 0.5])
+        # on a circle around (5, 2), at 0.5 rad/s: |(5 + 2 sin a, 2 - 2 cos a)| = 6 where 20 sin a - 8 cos a = 3
+        aside, half = math.atan2(8.0, 20.0), math.asin(3.0 / math.hypot(20.0, 8.0))
+        angles = aside + half, aside + math.pi - half, aside + half + 2.0 * math.pi
+        self.crossings = [self.begin_ns + angle / 0.5 * 1e9 for angle in angles]
+
+    def test_the_link_goes_down_and_up_where_the_arc_crosses_the_range(self):
+        states = [(row['time_ns'], row['values'][2]) for row in self.rows('link') if row['time_ns'] > self.begin_ns]
+        self.assertEqual([state for _, state in states], ['down', 'up', 'down'])
+        for (time_ns, _), crossing in zip(states, self.crossings):
+            self.assertLessEqual(abs(time_ns - crossing), 5.0)
+
+    def test_calls_get_through_at_the_times_within_the_range_alone(self):
+        down, up, again = self.crossings
+        calls = {kind: [row['values'][5] for row in self.rows(kind) if row['robot'] == '/trigger']
+                 for kind in ('radio', 'radio_lost')}
+        self.assertGreater(min(len(calls['radio']), len(calls['radio_lost'])), 5)
+        self.assertTrue(all(sent < down or up < sent < again for sent in calls['radio']), calls)
+        self.assertTrue(all(down < sent < up or again < sent for sent in calls['radio_lost']), calls)
+        self.assertTrue(any(sent > up for sent in calls['radio']))
