@@ -56,8 +56,18 @@ def test_the_robot_that_has_the_charge_gets_the_order_though_another_is_nearer()
                                                            1: {'start_x': 5.0}})
         dispatch.order(order('one', (30.0, 0.0)))
         dispatch.run(until=200.0)
-        assert [row[1] for row in told(dispatch, 'order_assigned')] == ['r_1'], policy
+        assert [row[:2] for row in told(dispatch, 'order_assigned')] == [(0.0, 'r_1')], policy
         assert [row[1] for row in told(dispatch, 'charge_assigned')][:1] == ['r_0']
+
+
+@pytest.mark.parametrize('policy', POLICIES)
+def test_each_robot_gets_at_once_the_order_for_which_it_has_the_charge(policy):
+    dispatch = ahead_of(robots=2, policy=policy, each={0: {'start_x': 20.0, 'battery_start': 0.5}, 1: {'start_x': 5.0}})
+    dispatch.order(order('far', (30.0, 0.0)))
+    dispatch.order(order('near', (22.0, 0.0)))
+    dispatch.run(until=0.0)
+    assert [(row[0], row[1], row[3]) for row in told(dispatch, 'order_assigned')] == [
+        (0.0, 'r_0', 'near'), (0.0, 'r_1', 'far')]
 
 
 def test_a_robot_refuses_what_a_users_policy_chooses():
@@ -99,6 +109,24 @@ def test_a_robot_leaves_a_queue_in_which_it_would_run_empty():
         assert dispatch.metrics()['emptied'] == len(empty)
     assert {row[4] for row in told(dispatch, 'order_returned')} == {'charge too low'}
     assert [row[4] for row in told(dispatch, 'order_done')] == ['done'] * 2
+
+
+def test_work_that_has_begun_is_not_left_though_half_of_it_is_more_than_the_reserve():
+    dispatch = ahead_of(robots=1)
+    dispatch.order(order('long', (10.0, 0.0), seconds=300.0))  # 60 %, and 20 m
+    dispatch.run()
+    assert [row[2] for row in told(dispatch, 'order_returned', 'order_done')] == ['order_done']
+
+
+def test_a_robot_that_charges_for_an_order_keeps_its_turn_at_a_taken_charger():
+    dispatch = dispatch_of(robots=3, zones=[dict(DOCK, charger=5.0)], **BATTERY, each={
+        0: {'start_x': 3.0, 'battery_start': 0.12}, 1: {'start_x': 5.0, 'battery_start': 0.45},
+        2: {'start_x': 5.0, 'battery_start': 0.44}}, dispatcher={**AHEAD, 'charge_until': 0.3})
+    dispatch.order(order('far', (25.0, 0.0)))
+    dispatch.order(order('far_too', (26.0, 0.0)))
+    dispatch.run()
+    assert [row[1] for row in told(dispatch, 'charge_awaited')] == ['r_1', 'r_2']
+    assert [row[1] for row in told(dispatch, 'order_done')] == ['r_0', 'r_1']
 
 
 def test_a_robot_without_an_order_goes_to_charge_while_its_charge_is_enough_for_the_way():
