@@ -47,8 +47,9 @@ from .robot_table import ACCELERATION, DRIVEN, LIMITS, NEEDS, OWN_NAMES, SPEED, 
 
 _ODOM, _LINK, _FOOTPRINT = 'odom', 'base_link', 'base_footprint'
 _SCANS_OF_STAGE = 'base_scan'
-#: the names of diff_drive_controller for parameters of a robot under velocities, and ours
-_NAMED_TWICE = (('base_frame_id', 'robot_base_frame'), ('odom_frame_id', 'odom_frame'))
+#: the second names of parameters of a robot under velocities, as other packages have them, and the first ones
+_NAMED_TWICE = (('base_frame_id', 'robot_base_frame'), ('odom_frame_id', 'odom_frame'),
+                ('base_watchdog_timeout', 'cmd_vel_timeout'))
 #: (our parameter, the costmap that has it in an existing set-up, its key there, the default)
 _COSTMAP_FRAMES = (('global_frame', 'global_costmap', 'global_frame', 'map'),
                    ('robot_base_frame', 'global_costmap', 'robot_base_frame', 'base_link'),

@@ -73,18 +73,14 @@ class DriveSettings:
 def read_drive(values: Mapping[str, Any], where: str) -> Optional[DriveSettings]:
     """Return the :class:`DriveSettings` in ``values`` (of :data:`TABLE`), None for a robot that travels to goals.
 
-    :raises ConfigurationError: if both names of the timeout are set, or a limit is not allowed.
+    :raises ConfigurationError: if a limit is not allowed.
     """
     if values['driven_by'] == GOALS:
         return None
-    timeout, of_stage = values['cmd_vel_timeout'], values['base_watchdog_timeout']
-    if timeout is not None and of_stage is not None:
-        raise error(place_of(where, 'base_watchdog_timeout'), of_stage, 'one of the two',
-                    f' with cmd_vel_timeout: {timeout:g}, which is the same')
-    found = [one for one in (timeout, of_stage, _TIMEOUT_S) if one is not None]
+    timeout = _TIMEOUT_S if values['cmd_vel_timeout'] is None else values['cmd_vel_timeout']
     ahead, aside, _, turned = values['odom_error'] or (0.0,) * 4
     forward, lateral, turning = (_limits(values, group, axis, where) for group, axes in _AXES.items() for axis in axes)
-    return DriveSettings(values['holonomic'], seconds_to_ns(found[0]), seconds_to_ns(values['control_period']),
+    return DriveSettings(values['holonomic'], seconds_to_ns(timeout), seconds_to_ns(values['control_period']),
                          (forward, lateral, turning), (ahead, aside, turned))
 
 
