@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 from ..motion.pieces import Piece, pose_of, stand
 from .contact import FREE, NEARER, REACH, Course, Limit, Shape, disc, first_touch, gap_of, limit_of
+from .driver import WALL
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..maps.occupancy import OccupancyMap
     from ..motion.pieces import Motion
-    from ..motion.robot import Robot
+    from .driver import Driver
     from .walls import Walls
 
 LOOK_NS = 500_000_000
 AT_ONCE_NS = 1_000_000  # what is touched within this time by a robot that stands at it is touched at once
-WALL = 'wall'
 _NS_PER_S = 1e9
 _Spans = List[Tuple[Piece, int]]
 
@@ -30,17 +30,12 @@ class Contacts:
         self.simulation = simulation
         self._bodies: Dict[int, Body] = {}
 
-    def join(self, robot: Robot, frame: str, shape: Shape, stall: Callable[[int, str], object],
-             retry: Callable[[int], object]) -> Body:
-        """Add ``robot``, which stands: a body of ``shape`` (Shape) in the global ``frame``. Return its :class:`Body`.
-
-        ``stall(now_ns, by)`` must stop the robot; it is called when the robot touches something, ``by``: WALL or the
-        name of another robot. ``retry(now_ns)`` is called when the robot that it touches moves, or is no longer there.
-        """
-        body = self._bodies[robot.index] = Body(self, robot, frame, shape, stall, retry)
+    def join(self, driver: Driver, frame: str, shape: Shape) -> None:
+        """Add the robot of ``driver`` (Driver), which stands: a body of ``shape`` (Shape) in the global ``frame``."""
+        robot = driver.robot
+        body = driver.body = self._bodies[robot.index] = Body(self, driver, frame, shape)
         body.moved(self.simulation.now_ns)
         robot.follow(body.moved)
-        return body
 
     def leave(self, body: Body) -> None:
         """Note that the robot is removed."""
@@ -65,7 +60,8 @@ class Contacts:
         if motion is not None:
             touch_ns = body.touches_wall(spans, now_ns)
             if touch_ns is not None:
-                body.ahead[None] = self._schedule(touch_ns - 1, now_ns, body, lambda at_ns: body.stall(at_ns, WALL))
+                body.ahead[None] = self._schedule(
+                    touch_ns - 1, now_ns, body, lambda at_ns: body.driver.stall(at_ns, WALL))
             elif motion.arrive_ns > until_ns:
                 body.ahead[None] = self._schedule(until_ns, now_ns, body, lambda at_ns: self.look(body, at_ns))
         for other in self.others(body, now_ns):
@@ -80,7 +76,7 @@ class Contacts:
         """Have the robots that stand because they touch this one try again, in the order of robots."""
         for other in self._bodies.values():
             if other.stands_at is body:
-                self._schedule(now_ns, now_ns, other, other.retry)
+                self._schedule(now_ns, now_ns, other, other.driver.retry)
 
     def _schedule(self, due_ns: int, now_ns: int, body: Body, act: Callable[[int], object]) -> Any:
         """Schedule what a motion brings, which says itself whether time goes on for it."""
@@ -99,14 +95,12 @@ class Contacts:
 class Body:
     """A driven robot: since ``since_ns`` [ns] it has its ``motion`` (Motion), or stands (None).
 
-    ``robot``, ``frame``, ``shape``, ``stall``, ``retry``: see Contacts.join; ``stands_at``: the Body that keeps it from
-    its command, or None; ``ahead``: the event of what it will touch, by the
-    index of the other robot, None: a wall.
+    ``driver``, ``frame``, ``shape``: see Contacts.join; ``stands_at``: the Body that keeps it from its command, or
+    None; ``ahead``: the event of what it will touch, by the index of the other robot, None: a wall.
     """
 
-    def __init__(self, contacts: Contacts, robot: Robot, frame: str, shape: Shape,
-                 stall: Callable[[int, str], object], retry: Callable[[int], object]) -> None:
-        self.robot, self.frame, self.shape, self.stall, self.retry = robot, frame, shape, stall, retry
+    def __init__(self, contacts: Contacts, driver: Driver, frame: str, shape: Shape) -> None:
+        self.driver, self.robot, self.frame, self.shape = driver, driver.robot, frame, shape
         self.stands_at: Optional[Body] = None
         self.bound = disc(shape.reach)
         self.motion: Optional[Motion] = None
@@ -189,7 +183,7 @@ class _Meeting:
         moving = [(body, other) for body, other in self._pair if body.motion is not None]
         stalling = [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving
         for body, other in stalling:
-            body.stall(now_ns, other.robot.name)
+            body.driver.stall(now_ns, other.robot.name)
         for body, other in stalling:  # only now, so that the stall of the one is no reason for the other to try again
             body.stands_at = other
 

@@ -100,8 +100,7 @@ def _driver(settings: RobotSettings, navigator: Navigator, simulation: Simulatio
     navigator.takes_none = DRIVEN_BY_VELOCITIES
     driver = Driver(settings.drive, navigator, simulation, stream)
     if contacts is not None:
-        driver.body = contacts.join(navigator.robot, settings.values['global_frame'],
-                                    shape_of(settings.costmaps.global_footprint), driver.stall, driver.retry)
+        contacts.join(driver, settings.values['global_frame'], shape_of(settings.costmaps.global_footprint))
     return driver
 
 
