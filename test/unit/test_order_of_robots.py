@@ -111,6 +111,21 @@ def test_with_failures_batteries_and_chargers(seed):
     assert run(robots) == run(shuffled(robots, seed))
 
 
+@pytest.mark.parametrize('part', range(4))
+def test_in_small_worlds_where_nodes_have_places_and_spots(tmp_path, part):
+    count = times(60, 2_000) // 4
+    for seed in range(part * count, (part + 1) * count):
+        world = SmallWorld(seed, tmp_path)
+        path, dice = tmp_path / 'net.yaml', random.Random(seed)
+        net = json.loads(path.read_text())
+        for node in net['nodes']:
+            if dice.random() < 0.4:
+                node['spots'] = [[node['x'] + 0.5, node['y'] + 0.3 * number] for number in range(dice.randint(1, 3))]
+        path.write_text(json.dumps({**net, 'node_capacity': dice.choice([1, 2])}))
+        one, other = world.run(until=500.0), world.run(shuffled(world.robots, seed), until=500.0)
+        assert by_robot(one) == by_robot(other), seed
+
+
 @pytest.mark.parametrize('policy', ['nearest', 'earliest_deadline', 'auction', 'batch'])
 def test_with_a_dispatcher(tmp_path, policy):
     (tmp_path / 'net.yaml').write_text(json.dumps({
@@ -121,9 +136,11 @@ def test_with_a_dispatcher(tmp_path, policy):
     def run(robots):
         dispatch = Dispatch(make_scenario({
             'lanes': str(tmp_path / 'net.yaml'), 'defaults': {'routes': 'lanes', 'max_speed': 1.0}, 'robots': robots,
-            'deadlock': 'retreat', 'places': [{'name': 'p', 'x': 40.0, 'duration': 5.0, 'capacity': 1}], 'orders': [
+            'deadlock': 'retreat', 'places': [{'name': 'p', 'x': 40.0, 'duration': 5.0, 'capacity': 1}, *(
+                {'name': name, 'x': x, 'parking': True, 'capacity': 2} for name, x in (('lot', 0.0), ('yard', 10.0)))],
+            'orders': [
                 {'name': 'o', 'every': 7.0, 'count': 12, 'stops': [{'x': 20.0}, {'place': 'p'}]}],
-            'dispatcher': {'policy': policy}}))
+            'dispatcher': {'policy': policy, 'park_when_idle': True}}))
         dispatch.run(until=2_000.0)
         return by_robot(dispatch.fleet)
     assert run(robots) == run(shuffled(robots, 3))

@@ -13,7 +13,7 @@ def parked(dispatch):
     return [(time, robot, place) for time, robot, _, place in told(dispatch, 'park_assigned')]
 
 
-def test_idle_robots_park_at_the_nearest_place_with_room_by_their_indices():
+def test_idle_robots_park_at_the_nearest_place_with_room_by_their_names():
     dispatch = dispatch_of(places=[FAR_LOT, NEAR_LOT, {'name': 'dock', 'x': 10.0}], dispatcher=PARK)
     dispatch.run()
     assert parked(dispatch) == [(0.0, 'r_0', 'near'), (0.0, 'r_1', 'far')]

@@ -1,8 +1,8 @@
 """Where robots stand that have nothing to do: at places with ``parking``, so that they leave those that others need.
 
 A robot without an order that does not charge drives to the nearest parking place with room; of equally near ones, to
-the first in the scenario. So does a robot that waits for a charger. Robots choose by their indices. If no place has
-room, the robot stays where it is. It may get an order, or be sent to charge, at any time.
+the first in the scenario. So does a robot that waits for a charger. Robots choose in the order of their names. If no
+place has room, the robot stays where it is. It may get an order, or be sent to charge, at any time.
 """
 from __future__ import annotations
 

@@ -108,18 +108,24 @@ class Area:
     def spot(self, traveller: Traveller, wished: Point) -> Optional[Point]:
         """Return the spot (x, y) [m] for ``traveller``, or None if this is no node with spots, or none is free.
 
-        A robot that holds a place keeps its spot. Another one has none of its own yet, and gets to know which one it
-        would get: the one at ``wished``, or the first one that is free.
+        A robot that holds a place keeps its spot: the one at ``wished`` if that is free, otherwise the first one that
+        is left for it by robots that hold a place, too, and come first by name. Another robot has no spot of its own
+        yet, and gets to know which one it would get.
         """
         self._standing = {one: number for one, number in self._standing.items() if one in self.holders}
         number = self._standing.get(traveller)
         if number is None:
             taken = self._standing.values()
             free = [number for number in range(len(self._spots)) if number not in taken]
-            if not free:
-                return None
-            number = next((one for one in free if math.dist(self._spots[one], wished) <= NEAR), free[0])
-            if traveller in self.holders:
+            is_holder = traveller in self.holders
+            before = sum(one not in self._standing and not (is_holder and one.rank >= traveller.rank)
+                         for one in self.holders)
+            number = next((one for one in free if math.dist(self._spots[one], wished) <= NEAR), None)
+            if number is None:
+                if before >= len(free):
+                    return None
+                number = free[before]
+            if is_holder:
                 self._standing[traveller] = number
         return self._spots[number]
 

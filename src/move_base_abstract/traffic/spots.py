@@ -34,13 +34,18 @@ class Standing:
         travel.to_spot = self._to_spot
 
     def takes(self, node: Area, now_ns: int) -> None:
-        """Give the robot, which has a place at ``node``, its spot there: the one where it is, or is to be."""
+        """Give the robot, which has a place at ``node``, its spot there: the one where it is, or to which it drives.
+
+        Otherwise it gets one when it needs one.
+        """
         pose = self._traveller.navigator.robot.pose_at(now_ns)
         wished = pose.x, pose.y
         if node.is_spot(wished):
             node.forget_spot(self._traveller)  # it may have been placed there
         elif self._aims is not None and self._aims[0] is node:
             wished = self._aims[1]
+        else:
+            return
         node.spot(self._traveller, wished)
 
     def goes_elsewhere(self, now_ns: int) -> bool:
