@@ -170,6 +170,9 @@ class Gate:
     def __init__(self, robot):
         self.robot, self.asked = robot, []
 
+    def way_on(self, now_ns):
+        """The robot goes by its planner's way."""
+
     def departs(self, leg, now_ns):
         """Note the departure."""
         self.asked.append((leg.end.x, now_ns))

@@ -13,14 +13,15 @@ from move_base_abstract.scenario import make_scenario
 from moves_in_log import counted_wrongly, met
 from tiny_nets import APART, ZONE, Instance, instance, is_solvable
 
+NO_WAY = (1_000_000_000, 'There is no order of moves in which these robots all come to their goals')
 _CBS = shutil.which('cbs')
 
 
-def run(one, folder, policy='avoid'):
+def run(one, folder, has_zones=False):
     """Let all robots of an instance drive to their goals; return (the fleet, what its log shows to be wrong)."""
     lanes, log = folder / 'net.yaml', folder / 'run.jsonl'
-    lanes.write_text(yaml.safe_dump(one.net()))
-    fleet = Fleet(make_scenario(one.scenario(lanes, deadlock=policy)))
+    lanes.write_text(yaml.safe_dump(one.net(**({} if has_zones else {'node_capacity': 1}))))
+    fleet = Fleet(make_scenario(one.scenario(lanes, has_zones, deadlock='avoid')))
     for name, (_, goal) in one.robots.items():
         x, y = one.nodes[goal]
         fleet.robot(name).send(APART * x, APART * y)
@@ -42,8 +43,18 @@ def is_solved(fleet):
 
 
 @pytest.mark.parametrize('seed', range(times(50, 2000)))
-def test_no_robot_is_where_another_one_is(seed, tmp_path):
-    _, wrong = run(instance(seed), tmp_path)
+def test_all_robots_arrive_where_there_is_a_way_and_it_is_said_at_once_where_there_is_none(seed, tmp_path):
+    one = instance(seed)
+    fleet, wrong = run(one, tmp_path)
+    assert not wrong
+    assert is_solved(fleet) == is_solvable(one)
+    assert is_solvable(one) == (NO_WAY not in [(warning.time_ns, warning.text[:len(NO_WAY[1])])
+                                               for warning in fleet.warnings])
+
+
+@pytest.mark.parametrize('seed', range(times(25, 500)))
+def test_no_robot_is_where_another_one_is_if_zones_are_their_places(seed, tmp_path):
+    _, wrong = run(instance(seed), tmp_path, has_zones=True)
     assert not wrong
 
 
@@ -65,9 +76,7 @@ def test_robots_that_pass_through_one_another_are_found(goal, texts, tmp_path):
     one = Instance(nodes, edges, {'r0': ('A', goal), 'r1': ('B', 'A')}, False)
     (tmp_path / 'net.yaml').write_text(yaml.safe_dump(
         {**one.net(), 'edges': [{'from': begin, 'to': end} for begin, end in edges]}))
-    scenario = one.scenario(tmp_path / 'net.yaml')
-    del scenario['zones']
-    fleet = Fleet(make_scenario(scenario))
+    fleet = Fleet(make_scenario(one.scenario(tmp_path / 'net.yaml', has_zones=False)))
     for name, (_, end) in one.robots.items():
         fleet.robot(name).send(APART * nodes[end][0], 0.0)
     fleet.run()

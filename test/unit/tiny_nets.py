@@ -1,8 +1,8 @@
 """Tiny nets, each place with room for one robot, and an exhaustive search that says whether their robots can arrive.
 
 One robot after the other goes from a node to a neighbour that is free, and all have to stand at their goals at one
-time. The search knows nothing of the product: it spreads the set of all joint places that can be reached, as one array,
-until nothing new comes.
+time. A robot whose goal is where it starts has arrived at once, and stays. The search knows nothing of the product: it
+spreads the set of all joint places that can be reached, as one array, until nothing new comes.
 """
 import random
 from typing import NamedTuple
@@ -22,19 +22,23 @@ class Instance(NamedTuple):
     robots: dict
     is_grid: bool
 
-    def net(self):
+    def net(self, **more):
         """Return the document of the net of lanes."""
-        return {'nodes': [{'name': name, 'x': APART * x, 'y': APART * y} for name, (x, y) in self.nodes.items()],
+        return {**more,
+                'nodes': [{'name': name, 'x': APART * x, 'y': APART * y} for name, (x, y) in self.nodes.items()],
                 'edges': [{'from': one, 'to': other, 'capacity': 1} for one, other in self.edges]}
 
-    def scenario(self, lanes, **more):
-        """Return the scenario for the net in the file ``lanes``."""
+    def scenario(self, lanes, has_zones, **more):
+        """Return the scenario for the net in the file ``lanes``; ``has_zones``: with a zone for one robot at each node.
+
+        Otherwise the net gives the nodes their capacity.
+        """
         return {'lanes': str(lanes), 'defaults': {'routes': 'lanes', 'max_speed': 1.0, 'log_motion': True},
                 'robots': [{'name': name, 'start_x': APART * x, 'start_y': APART * y}
                            for name, (x, y) in ((name, self.nodes[start]) for name, (start, _) in self.robots.items())],
                 'zones': [{'name': 'at_' + name, 'capacity': 1,
                            'rectangle': [APART * x - ZONE, APART * y - ZONE, APART * x + ZONE, APART * y + ZONE]}
-                          for name, (x, y) in self.nodes.items()], **more}
+                          for name, (x, y) in self.nodes.items() if has_zones], **more}
 
 
 def instance(seed):
@@ -88,8 +92,11 @@ def _crosses(one, other, kept):
     return x != to_x and y != to_y and (((x, to_y), (to_x, y)) in kept or ((to_x, y), (x, to_y)) in kept)
 
 
-def is_solvable(one):
-    """Return whether all robots of an :class:`Instance` can stand at their goals, by trying all joint places."""
+def is_solvable(one, stays=True):
+    """Return whether all robots of an :class:`Instance` can stand at their goals, by trying all joint places.
+
+    ``stays``: whether a robot whose goal is where it starts makes way for none.
+    """
     places = {name: number for number, name in enumerate(one.nodes)}
     steps = np.eye(len(places), dtype=np.float32)
     for begin, end in one.edges:
@@ -105,7 +112,9 @@ def is_solvable(one):
     reached[start] = True
     while not reached[goal]:
         before = reached.copy()
-        for axis in range(count):
+        for axis, (begin, end) in enumerate(one.robots.values()):
+            if stays and begin == end:
+                continue
             moved = np.tensordot(steps, reached.astype(np.float32), (0, axis)) > 0.0
             reached |= np.moveaxis(moved, 0, axis) & allowed
         if (reached == before).all():

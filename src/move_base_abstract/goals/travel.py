@@ -62,7 +62,11 @@ class Travel:
         self.drop_command: Optional[Callable[[int], object]] = None
 
     def set_gate(self, gate: Traveller) -> None:
-        """Call ``gate.departs(leg, now_ns)`` at each departure. It may hold the robot later at that instant."""
+        """Call ``gate.departs(leg, now_ns)`` at each departure. It may hold the robot later at that instant.
+
+        When the robot goes on, ``gate.way_on(now_ns)`` returns the way by which it has to, and whether that ends at the
+        target, or None: it goes by its planner's way.
+        """
         self._gate = gate
 
     def aim(self, target: Pose2D) -> None:
@@ -81,6 +85,11 @@ class Travel:
 
     def _go_on(self, now_ns: int) -> None:
         """Go on to the target from where the robot stands; if there is no way, it gives up as for a new goal."""
+        ordered = None if self._gate is None else self._gate.way_on(now_ns)
+        if ordered is not None:
+            way, is_at_target = ordered
+            self.go(way.corners, now_ns, None if is_at_target else _beyond(way.goal, self._robot.tolerances.xy))
+            return
         self.go(() if self._planner.goes_straight else self._planner.corners(
             self._robot.pose_at(now_ns), self._aimed), now_ns)
 

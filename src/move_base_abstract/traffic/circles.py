@@ -39,7 +39,7 @@ class Circles:
         If no robot of a circle could give way when it was reported, and one can now, it is reported again. A robot that
         gives way is in no circle any more, so the loop ends.
         """
-        while self._is_waited_for():
+        while self._is_waited_for() and not self._traffic.ways_out.solves(self._traveller):
             request: Any = self._traveller.request
             circle = WaitingGraph((request,), self._traffic.safe_states).circle(self._traveller)
             if circle is None:

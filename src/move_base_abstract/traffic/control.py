@@ -26,6 +26,7 @@ from .rules import DeadlockPolicy, TrafficRules
 from .safe_states import SafeStates, first_to_go_on
 from .traveller import Traveller
 from .way import ZoneIndex
+from .ways_out import WaysOut
 from .zones import MAX_SPEED
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ class Traffic:
         self._new: List[Request] = []  # those of them for which there was no place so far
         self._to_look_at: Dict[Traveller, bool] = {}  # robots that may close a circle, or may give way in theirs now
         self._has_moved = False  # whether anything has changed on which SafeStates depend
+        #: has robots of a jam drive out of it (WaysOut)
+        self.ways_out: WaysOut = WaysOut(self)
 
     def _group(self, name: Optional[str]) -> Optional[Area]:
         if name is None:
@@ -207,11 +210,16 @@ class Traffic:
 
     def safe_states(self) -> SafeStates:
         """Return the SafeStates of the present, valid until anything changes."""
-        return SafeStates(self._travellers)
+        return SafeStates(self._travellers, self.ways_out.is_safe)
 
     def left_by(self, traveller: Traveller) -> None:
         """Note that ``traveller`` has been removed."""
         self._travellers.pop(traveller, None)
+        self.ways_out.left(traveller)
+
+    def travellers(self) -> List[Traveller]:
+        """Return the robots, in the order in which they came."""
+        return list(self._travellers)
 
     def areas(self) -> List[Area]:
         """Return all areas: the zones in the order of the scenario, then the lanes, the nodes, and the groups."""
@@ -249,7 +257,8 @@ class Traffic:
 
     def serve(self, now_ns: int) -> None:
         """At the end of this instant, let in the robots for which there is a place, and report what has changed."""
-        if not self._is_due and (self._asking or self._dirty or self._to_look_at or not self._is_told):
+        if not self._is_due and (self._asking or self._dirty or self._to_look_at or not self._is_told
+                                 or self.ways_out.may_act):
             self._is_due = True
             self.simulation.queue.decide(now_ns, self._decide)
 
@@ -260,7 +269,8 @@ class Traffic:
         may not go on is held, and so on.
         """
         try:
-            while self._let_in(now_ns) or self._let_in_safely(now_ns) or self._turn_away(now_ns):
+            while self.ways_out.acts(now_ns) or self._let_in(now_ns) or self._let_in_safely(
+                    now_ns) or self._turn_away(now_ns):
                 pass
             self._look_again(now_ns)
         finally:
@@ -308,7 +318,7 @@ class Traffic:
         if not self._has_moved or self.rules.policy not in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT):
             return False
         self._has_moved = False
-        request = first_to_go_on(self._travellers)
+        request = first_to_go_on(self._travellers, self.ways_out)
         if request is None:
             return False
         request.traveller.serve(Traveller.go_on, now_ns)

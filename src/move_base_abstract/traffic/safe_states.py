@@ -14,10 +14,16 @@ if TYPE_CHECKING:
     from .area import Area, Request
     from .traveller import Traveller
     from .way import Crossing
+    from .ways_out import WaysOut
 
 
 def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, ...]:
     """Return the areas that a robot enters at the crossings ``ahead``, each once, up to where it holds no place."""
+    return needs_and_keeps(ahead, held)[0]
+
+
+def needs_and_keeps(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Tuple[Area, ...], Tuple[Area, ...]]:
+    """Return (the areas of :func:`needs_of`, those in which the robot then still holds a place: its way ends there)."""
     needs: Dict[Area, bool] = {}
     holds = dict(held)
     for crossing in ahead:
@@ -27,26 +33,76 @@ def needs_of(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[Area, .
             holds.pop(area, None)
         if not holds:
             break
-    return tuple(needs)
+    return tuple(needs), tuple(holds)
 
 
-def first_to_go_on(travellers: Iterable[Traveller]) -> Optional[Request]:
-    """Return the first request of a careful robot (``is_careful``) that may have the places for which it asks."""
+def cannot_stay(travellers: Iterable[Traveller], taker: Optional[Traveller] = None,
+                takes: Tuple[Area, ...] = ()) -> List[Traveller]:
+    """Return the robots left over when one after the other comes to the end of its way and stays there.
+
+    A robot comes there only if it is then in the way of none that is left. Robots without a goal stay where they are.
+    ``taker`` holds ``takes``, too. If the result is empty, there is such an order; the opposite need not be true.
+    """
+    counts: Dict[Area, int] = {}
+    staying: Dict[Area, int] = {}
+    needed: Dict[Area, int] = {}
+    left: List[Traveller] = []
+    for one in travellers:
+        _count(counts, one.held)
+        if one.keeps is None:
+            _count(staying, one.held)
+        else:
+            _count(needed, one.needs)
+            left.append(one)
+    _count(counts, takes)
+    while True:
+        for one in left:
+            own: Sequence[Area] = (*one.held, *takes) if one is taker else tuple(one.held)
+            if all(_has_room(area, counts.get(area, 0), area in own) for area in one.needs) and not any(
+                    area.capacity is not None and staying.get(area, 0) + 1 >= area.capacity
+                    and needed.get(area, 0) > (area in one.needs) for area in one.keeps or ()):
+                break
+        else:
+            return left
+        left.remove(one)
+        _count(counts, own, -1)
+        _count(needed, one.needs, -1)
+        for areas in (counts, staying):
+            _count(areas, one.keeps or ())
+
+
+def _count(counts: Dict[Area, int], areas: Iterable[Area], by: int = 1) -> None:
+    for area in areas:
+        counts[area] = counts.get(area, 0) + by
+
+
+def first_to_go_on(travellers: Iterable[Traveller], ways_out: WaysOut) -> Optional[Request]:
+    """Return the first request of a careful robot (``is_careful``) that may have the places for which it asks.
+
+    Where the moves of ``ways_out`` say whether it may, they count.
+    """
     waiting = sorted(one.wants for one in travellers if one.is_careful and one.wants is not None)
     if not waiting:
         return None
-    states = SafeStates(travellers)
-    return next((request for request in waiting if request.is_first() and states.allows_request(request)), None)
+    states = SafeStates(travellers, ways_out.is_safe)
+    for request in waiting:
+        if request.is_first():
+            allowed = ways_out.allows(request.traveller, request.areas)
+            if states.allows_request(request) if allowed is None else allowed:
+                return request
+    return None
 
 
 class SafeStates:
     """Answers questions about which robot may take a place in the present state; valid until anything changes.
 
-    A robot without a goal is assumed to leave.
+    A robot without a goal is assumed to leave. ``may_stay``: whether all robots can now come to the ends of their ways
+    and stay there, which is kept then.
     """
 
-    def __init__(self, travellers: Iterable[Traveller]) -> None:
+    def __init__(self, travellers: Iterable[Traveller], may_stay: bool = False) -> None:
         self.travellers = list(travellers)
+        self._may_stay = may_stay
         self._busy = [traveller for traveller in self.travellers if traveller.needs]
         self._before: Optional[Dict[Traveller, bool]] = None
 
@@ -70,6 +126,10 @@ class SafeStates:
         than before. So the search nearly always ends with the taker. Robots that would be cut off are noted in
         ``request``, if it is given.
         """
+        return self._leaves_all_able(taker, takes, request) and not (
+            self._may_stay and cannot_stay(self.travellers, taker, takes))
+
+    def _leaves_all_able(self, taker: Traveller, takes: Tuple[Area, ...], request: Optional[Request]) -> bool:
         if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
             return True  # it reaches its goal without the others
         after = _able(self._busy, taker, takes)

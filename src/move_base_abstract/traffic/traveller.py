@@ -2,17 +2,18 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, List, Optional, Sequence, Tuple, Union
 
 from ..common.ros_names import natural_order
-from ..goals.events import Abandoned, BrokenOff, Stands, Warned, new
-from ..goals.traffic_events import Entered, GaveWay, Left, Places, Prioritized
+from ..goals.events import Abandoned, BrokenOff, Stands
+from ..goals.traffic_events import Entered, GaveWay, Left, Prioritized
 from .area import Area, Request
 from .circles import Circles
 from .drives import next_change
+from .holder import Holder
 from .outline import BORDER
 from .rules import DeadlockPolicy
-from .safe_states import needs_of
+from .safe_states import needs_and_keeps, needs_of
 from .spots import standing_on
 from .way import crossings, from_spot, stays_at_nodes, stays_on_lanes, with_groups
 
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
     from ..maps.lane_map import Edge, LaneMap
-    from ..motion.geometry import Pose2D
     from .control import Traffic
     from .giving_way import WayBack
+    from .lane_places import WayOver
     from .way import Crossing, Stay
 
 #: a robot that only leaves an area comes before everything else that robots do at that instant
@@ -31,44 +32,38 @@ _LEAVING_INDEX = -1
 _SAFE = (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT)
 
 
-class Traveller:
+class Traveller(Holder):
     """One robot in traffic.
 
-    ``held``: {Area: True} of the areas in which it holds a place, in the order in which it came there; ``needs``: the
-    areas (Area, ...) into which it must still come on its way, up to where it holds no place at all; they are noted
-    only if the policy may look for safe states.
+    ``needs``: the areas (Area, ...) into which it must still come on its way, up to where it holds no place at all;
+    ``keeps``: those in which it then stays, None: it has no way. Both are noted only if the policy may look for safe
+    states.
     """
 
     def __init__(self, traffic: Traffic, navigator: Navigator, lanes: Optional[LaneMap], stream: Stream,
                  priority: int = 0) -> None:
         self.priority = priority  # a robot with a higher one comes first where robots wait
+        super().__init__(traffic, navigator, lanes, stream)
         self.index = navigator.robot.index
-        self.name = navigator.robot.name
-        self.rank = natural_order(self.name)  # the order of robots that ask at the same instant
+        self.rank: Tuple[Any, ...] = natural_order(self.name)  # the order of robots that ask at the same instant
         self.place = 0  # its number among all robots in the order of ``rank``
-        self.held: Dict[Area, bool] = {}
-        self.request: Optional[Request] = None
         #: what it asks for while it drives; it is decided at the end of the instant
         self.asked: Optional[Request] = None
         self.needs: Tuple[Area, ...] = ()
+        self.keeps: Optional[Tuple[Area, ...]] = None
         #: whether it enters an area only if that is safe, see :mod:`.safe_states`: with AVOID, or after it gave way
         self.is_careful: bool = traffic.rules.policy is DeadlockPolicy.AVOID
-        self._traffic = traffic
-        self.navigator: Navigator = navigator
-        self._source = lanes.source if lanes is not None and lanes.has_capacities else None
         #: the edges (Edge, ...) of the net on which it drives
         self.edges: Sequence[Edge] = lanes.edges if lanes is not None else ()
         if lanes is not None and traffic.rules.lane_price:
             source = lanes.source
             navigator.planner.prices = lambda edge, time_ns: traffic.price(self, source, edge, time_ns)
-        self.tell = stream.tell
-        self._standing = standing_on(lanes, self, traffic, navigator.travel)  # None: there are no spots
+        self._standing = standing_on(lanes, self, traffic, navigator.travel)
         self._leg: Any = None
         self._pose: Any = None  # its pose while it stands
         self._crossings: List[Crossing] = []
         self._event: Any = None
         self._granted: Tuple[Area, ...] = ()  # the areas in which it got a place but for which it has not departed yet
-        self._reason: Optional[str] = None  # the reason for which traffic holds it
         #: handles the circles of waiting that it closes (Circles)
         self.circles: Circles = Circles(self, traffic, navigator, stream)
         stream.subscribe('traffic', {Stands: self._stands, Abandoned: lambda event: self.abandons(event.time_ns),
@@ -90,7 +85,7 @@ class Traveller:
         now_ns = event.time_ns
         self._forget_crossings()
         granted, pose = self._granted, self.navigator.robot.pose_at(now_ns)
-        self._leg, self._granted, self.request, self._pose, self.needs = None, (), None, pose, ()
+        self._leg, self._granted, self.request, self._pose, self.needs, self.keeps = None, (), None, pose, (), None
         self.circles.driven.clear()
         self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
         self.held.clear()
@@ -115,11 +110,6 @@ class Traveller:
             for one in told:
                 self.tell(one)
 
-    def _end_hold(self, now_ns: int) -> None:
-        reason, self._reason = self._reason, None
-        if reason is not None:
-            self.navigator.travel.release(reason, now_ns)
-
     def departs(self, leg: Any, now_ns: int) -> None:
         """Note that the robot starts on ``leg``; see Travel.set_gate."""
         self._leg = leg
@@ -129,6 +119,7 @@ class Traveller:
         if not self.held or (first is not None and set(self.held) <= set(first.leaves)):
             self.circles.driven.clear()
         self._note_needs()
+        self._traffic.ways_out.departs(self, now_ns)
         if first is not None:
             self._cross(now_ns)
         else:
@@ -137,9 +128,9 @@ class Traveller:
     def stays(self, way: Any) -> Sequence[Stay]:
         """Return the Stays of a leg, or of a WayBack, in zones, on lanes and at nodes."""
         stays: Sequence[Stay] = self._traffic.zones.stays(way.way)
-        source = self._source
-        if source is None:
+        if self.lanes is None:
             return stays
+        source = self.lanes.source
         nodes = self._traffic.nodes(source)
         stays = [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
                  *stays_at_nodes(way, nodes.end_of)]
@@ -206,8 +197,9 @@ class Traveller:
 
     def abandons(self, now_ns: int) -> None:
         """Note that the robot has given up its target: it leaves the queues and stays where it is."""
-        self.needs = ()
+        self.needs, self.keeps = (), None
         self.is_careful = self._traffic.rules.policy is DeadlockPolicy.AVOID
+        self._traffic.ways_out.given_up(self, now_ns)
         if self.request is not None:
             request, self.request = self.request, None
             self._traffic.withdraw(request)
@@ -250,20 +242,6 @@ class Traveller:
         granted, self._granted = self._granted, ()
         self._give_back([area for area in granted if not area.contains(self._pose.x, self._pose.y)], now_ns)
 
-    def _take_what_holds_it(self, now_ns: int, pose: Pose2D) -> None:
-        """Hold a place in each zone in which the robot stands, and at its node, even if none is free."""
-        zones = self._traffic.zones.at(pose.x, pose.y)
-        nodes = [] if self._source is None else self._traffic.nodes(self._source).at(pose.x, pose.y)
-        for area in (*zones, *(zone.group for zone in zones if zone.group is not None), *nodes):
-            if area not in self.held:
-                if not area.has_room():
-                    self.tell(Warned(now_ns, self.name, '{} stands in {}, which has no free place: {} robots of {} '
-                                      'are there{}'.format(self.name, area.name, len(area.holders) + 1, area.capacity,
-                                                           ', and it is closed' if area.is_closed else '')))
-                self._take((area,), now_ns)
-            elif self._standing:
-                self._standing.takes(area, now_ns)
-
     def _await_crossing(self) -> None:
         if not self._crossings:
             return
@@ -275,7 +253,10 @@ class Traveller:
     def _happen(self, due_ns: int, _now_ns: int) -> None:
         self._event = None
         try:
-            self._cross(due_ns)
+            if self._traffic.ways_out.turns(self):
+                self.navigator.travel.change_way(due_ns)
+            else:
+                self._cross(due_ns)
             self._traffic.serve(due_ns)
         except Exception as error:
             self.navigator.break_off(error)
@@ -295,7 +276,7 @@ class Traveller:
 
     def _note_needs(self) -> None:
         if self._traffic.rules.policy in _SAFE:  # nobody asks otherwise, and this comes at each crossing
-            self.needs = needs_of(self._crossings, self.held)
+            self.needs, self.keeps = needs_and_keeps(self._crossings, self.held)
 
     def _enters(self) -> Tuple[Area, ...]:
         return tuple([area for area in self._crossings[0].enters if area not in self.held])
@@ -332,7 +313,7 @@ class Traveller:
         request.line_up()
         crossing = self._crossings.pop(0)
         self._forget_crossings()
-        self._give_back(crossing.leaves_anyway(), now_ns)
+        self._give_back(crossing.leaves_anyway() or self._traffic.ways_out.leaves(self, crossing.leaves), now_ns)
         self.request = request
         self._traffic.changed(*request.areas)
         self._reason = request.reason
@@ -353,12 +334,6 @@ class Traveller:
         """The request for which it waits, or which it has made at this instant on its way; None: there is none."""
         return self.request if self.asked is None else self.asked
 
-    @property
-    def waits_only(self) -> bool:
-        """Whether it is held only because it waits for a place."""
-        held_for: Tuple[str, ...] = self.navigator.travel.held_for
-        return held_for == (self._reason,)
-
     def gives_way(self, way: WayBack, now_ns: int) -> None:
         """Stop waiting, drive back by ``way``, and go on to the goal from there."""
         request: Any = self.request
@@ -369,24 +344,21 @@ class Traveller:
         self.tell(GaveWay(now_ns, self.name, tuple(area.name for area in self.held if area.capacity is not None)))
         self.navigator.travel.go_aside(reason, way, now_ns)
 
-    def _take(self, areas: Tuple[Area, ...], now_ns: int) -> None:
-        for area in areas:
-            self.held[area] = area.holders[self] = True
-            self._traffic.taken(area)
-            if self._standing:
-                self._standing.takes(area, now_ns)
-            if area.capacity is not None and not area.is_told:
-                area.is_told = True
-                self.tell(Places(now_ns, self.name, area.name, area.capacity))
-            self.tell(new(Entered, (now_ns, self.name, 'entered', area.name)))
+    def goes_out(self, now_ns: int) -> None:
+        """Begin with the moves of a way out of a jam, or, when they are over, go on as always."""
+        pose = self.navigator.robot.pose_at(now_ns)
+        if self._traffic.ways_out.is_at_node(self, now_ns):
+            self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
+        if self.request is not None:
+            request, self.request = self.request, None
+            self._traffic.withdraw(request)
+            self._end_hold(now_ns)
+        elif self.navigator.robot.leg is not None:
+            self.navigator.travel.change_way(now_ns)
 
-    def _give_back(self, areas: Sequence[Area], now_ns: int) -> None:
-        for area in areas:
-            if area in self.held:
-                del self.held[area], area.holders[self]
-                self._traffic.changed(area)
-                self.tell(new(Left, (now_ns, self.name, 'left', area.name)))
-                self._traffic.freed(area)
+    def way_on(self, now_ns: int) -> Optional[Tuple[WayOver, bool]]:
+        """Return the way by which the robot has to go on; see Travel.set_gate."""
+        return self._traffic.ways_out.way_on(self, now_ns)
 
     def _forget_crossings(self) -> None:
         self._crossings = []

@@ -1,0 +1,279 @@
+"""Ways out of jams (deadlock: avoid): who drives where, in which order, so that all robots come to their goals.
+
+While all robots can come to the ends of their ways one after the other, each staying where its way ends, places are
+given so that this stays true (:mod:`.safe_states`). Where it is not true, because robots started so or got such goals,
+an exact search over their joint places (:mod:`.joint_search`) looks for moves that bring all of them to their goals. If
+there are any, the robots drive by these moves (:mod:`.moves`). Other robots keep out of the areas of the moves
+until all are made. If there are none, a warning says so once, and places are given as if robots left their goals.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from ..goals.events import Warned
+from .joint_search import MOST_STATES, Net, TooManyStates, find_moves
+from .lane_places import LanePlaces
+from .moves import Moves
+from .rules import DeadlockPolicy
+from .safe_states import cannot_stay
+
+if TYPE_CHECKING:
+    from .area import Area
+    from .control import Traffic
+    from .lane_places import WayOver
+    from .traveller import Traveller
+
+
+#: the largest number of robots whose joint places are searched
+MOST_ROBOTS = 5
+
+
+class _Start(NamedTuple):
+    """Where a robot is as the search begins: at the node ``place``, or on an edge; ``goal``: the node of its target."""
+
+    traveller: Traveller
+    place: Any
+    edge: Optional[int]
+    goal: str
+
+
+class WaysOut:
+    """Looks for ways out of the jams of one ``traffic`` (Traffic), and has robots drive by them."""
+
+    def __init__(self, traffic: Traffic) -> None:
+        self._traffic = traffic
+        self._is_active = traffic.rules.policy is DeadlockPolicy.AVOID
+        #: whether all robots can come to their ends and stay there
+        self.is_safe: bool = False
+        self._moves: Optional[Moves] = None
+        self._to_start: List[Traveller] = []  # robots that have yet to begin with their moves, or to go on without
+        self._turning: Dict[Traveller, bool] = {}  # robots that begin with their moves at the next border
+        self._is_due = False  # whether anything has changed on which the safety depends
+        self._goals: Dict[Traveller, Tuple[int, int]] = {}  # (the number of its goal, since when it has it [ns])
+        self._is_new = False  # whether any goal is new
+        self._places: Dict[str, LanePlaces] = {}  # by the file
+        self._tried: Any = None  # the state in which the last search found nothing
+        self._told: Dict[Any, bool] = {}
+
+    @property
+    def may_act(self) -> bool:
+        """Whether :meth:`acts` may have anything to do at this instant."""
+        return self._is_active and (self._is_due or self._moves is not None or not self.is_safe)
+
+    def acts(self, now_ns: int) -> bool:
+        """Look for moves if that is due; have robots begin with them, or go on without; return whether any did.
+
+        Call it at the end of an instant, when the goals of all robots are known.
+        """
+        if not self.may_act:
+            return False
+        if self._moves is not None and not any(self._left(one, now_ns) for one in self._moves.nodes):
+            self._end_moves()
+        stands = self._moves is None and not self.is_safe and all(
+            one.navigator.robot.leg is None for one in self._traffic.travellers())
+        if self._is_due or stands:
+            self._look(now_ns)
+        to_start, self._to_start = self._to_start, []
+        for one in to_start:
+            if one.navigator.robot.leg is not None and not self._may_halt(one, now_ns):
+                self._turning[one] = True
+            else:
+                one.serve(lambda one, at_ns: one.goes_out(at_ns), now_ns)
+        return bool(to_start)
+
+    def _may_halt(self, traveller: Traveller, now_ns: int) -> bool:
+        """Return whether a driving robot may stop here: not at a node to whose place it has no right any more."""
+        pose, places = traveller.navigator.robot.pose_at(now_ns), self._places_of(traveller)
+        return places.node_at(pose.x, pose.y) is None or self.is_at_node(traveller, now_ns)
+
+    def turns(self, traveller: Traveller) -> bool:
+        """Return whether a robot that comes to a border has to stop there and go on by its moves; ask once."""
+        return bool(self._turning) and self._turning.pop(traveller, False)
+
+    def departs(self, traveller: Traveller, now_ns: int) -> None:
+        """Note that a robot starts on its way."""
+        number = traveller.navigator.goal_number
+        if not self._is_active:
+            return
+        if self._goals.get(traveller, (None, 0))[0] != number:
+            self._goals[traveller] = number, now_ns
+            self._is_new = True
+        if self._moves is None or self._is_new:
+            self._is_due = True
+            self._traffic.serve(now_ns)
+
+    def solves(self, traveller: Traveller) -> bool:
+        """Return whether moves lead a robot, so that it waits in no circle."""
+        return self._moves is not None and traveller in self._moves.nodes
+
+    def allows(self, traveller: Traveller, areas: Sequence[Area]) -> Optional[bool]:
+        """Return whether a robot may have places in ``areas`` by the moves; None: they say nothing."""
+        moves = self._moves
+        if moves is None:
+            return None
+        if traveller in moves.nodes:
+            return bool(self._left(traveller, self._traffic.simulation.now_ns)) and moves.allows(traveller, areas)
+        return False if moves.uses(areas) else None
+
+    def entered(self, traveller: Traveller, areas: Sequence[Area]) -> None:
+        """Note that a robot has got a place in ``areas``."""
+        if self._moves is not None and traveller in self._moves.nodes:
+            self._moves.entered(traveller, areas)
+
+    def leaves(self, traveller: Traveller, areas: Sequence[Area]) -> Tuple[Area, ...]:
+        """Return those of ``areas``, which end where a robot has to wait, that it gives back: lanes, at their ends."""
+        is_led = self._moves is not None and traveller in self._moves.nodes
+        return tuple(area for area in areas if area.outline is None and area.point is None) if is_led else ()
+
+    def way_on(self, traveller: Traveller, now_ns: int) -> Optional[Tuple[WayOver, bool]]:
+        """Return (the way of the moves that a robot has yet to make, whether it ends at its goal), or None."""
+        moves = self._moves
+        left = [] if moves is None or traveller not in moves.nodes else self._left(traveller, now_ns)
+        if moves is None or not left:
+            return None
+        pose = traveller.navigator.robot.pose_at(now_ns)
+        places = self._places_of(traveller)
+        edge = None if places.node_at(pose.x, pose.y) else places.edge_at(pose.x, pose.y, traveller.held)
+        turns = places.before_turn((pose.x, pose.y), left)
+        is_whole = len(turns) == len(left)
+        return places.way((pose.x, pose.y), edge, turns), is_whole and moves.ends_at_goal(traveller)
+
+    def given_up(self, traveller: Traveller, now_ns: int) -> None:
+        """Note that a robot has no goal any more, or is elsewhere: without it, the moves cannot all be made."""
+        if not self._is_active:
+            return
+        self._is_due = True
+        if self._moves is not None and traveller in self._moves.nodes and self._left(traveller, now_ns):
+            self._end_moves()
+
+    def left(self, traveller: Traveller) -> None:
+        """Note that a robot has been removed."""
+        for known in (self._goals, self._turning):
+            known.pop(traveller, None)
+        if self._moves is not None and traveller in self._moves.nodes:
+            self._end_moves()
+        if traveller in self._to_start:
+            self._to_start.remove(traveller)
+
+    def _end_moves(self) -> None:
+        assert self._moves is not None
+        self._to_start = sorted(self._moves.nodes, key=lambda one: one.rank)
+        self._moves, self._is_due = None, True
+        self._turning.clear()
+
+    def _left(self, traveller: Traveller, now_ns: int) -> List[str]:
+        """Return the nodes to which a robot still has to drive, of those to which its moves lead."""
+        assert self._moves is not None
+        pose, places = traveller.navigator.robot.pose_at(now_ns), self._places_of(traveller)
+        node = places.node_at(pose.x, pose.y)
+        edge = None if node else places.edge_at(pose.x, pose.y, traveller.held)
+        return self._moves.left(traveller, node, () if edge is None else places.all_ends_of(edge))
+
+    def _places_of(self, traveller: Traveller) -> LanePlaces:
+        lanes: Any = traveller.lanes
+        if lanes.source not in self._places:
+            self._places[lanes.source] = LanePlaces(lanes, self._traffic.zones, self._traffic.nodes(lanes.source),
+                                                    lambda edge: self._traffic.lane(lanes.source, edge))
+        return self._places[lanes.source]
+
+    def _look(self, now_ns: int) -> None:
+        """Look whether all robots can come to their ends; if not, look for moves."""
+        self._is_due = self._is_new = False
+        stuck = cannot_stay(self._traffic.travellers())
+        self.is_safe = not stuck
+        if stuck or self._moves is not None:
+            self._search(stuck, now_ns)
+
+    def _search(self, stuck: Sequence[Traveller], now_ns: int) -> None:
+        starts = self._starts(stuck, now_ns)
+        if not starts:
+            return
+        net = self._net(starts)
+        wanted = self._wanted(starts, net)
+        begin = tuple(start.place for start in starts)
+        state = [(start.traveller.name, start.goal, tuple(start.traveller.held)) for start in starts], net.room
+        if state == self._tried:
+            return
+        try:
+            moves = find_moves(net, begin, wanted, MOST_STATES)
+        except TooManyStates:
+            moves = []
+        if not moves:
+            self._tried = state
+            if moves is None and None not in wanted:
+                self._tell(starts, now_ns)
+            return
+        to_start = dict.fromkeys([*self._to_start, *(self._moves.nodes if self._moves is not None else ())], True)
+        self._moves = Moves([(start.traveller, start.goal, start.traveller.navigator.goal_number) for start in starts],
+                            net, begin, moves)
+        self._to_start = sorted({**to_start, **dict.fromkeys(self._moves.nodes, True)}, key=lambda one: one.rank)
+
+    def _starts(self, stuck: Sequence[Traveller], now_ns: int) -> List[_Start]:
+        """Return the robots that take part, in the order in which they got their goals."""
+        driving = [one for one in self._traffic.travellers() if one.lanes is not None and one in self._goals
+                   and one.navigator.travel.target is not None]
+        concerned = [one for one in driving if one in stuck] or driving
+        if len(driving) <= MOST_ROBOTS:
+            concerned = driving
+        elif len(concerned) > MOST_ROBOTS:
+            return []
+        concerned = [one for one in concerned if one.lanes.source == concerned[0].lanes.source]  # type: ignore[union-attr]
+        found = [start for start in (self._start(one, now_ns) for one in concerned) if start is not None]
+        return sorted(found, key=lambda start: (-start.traveller.priority, self._goals[start.traveller][1],
+                                                start.traveller.rank))
+
+    def _start(self, traveller: Traveller, now_ns: int) -> Optional[_Start]:
+        """Return where a robot is, or None if that, or its goal, is not on the net."""
+        target: Any = traveller.navigator.travel.target
+        pose, places = traveller.navigator.robot.pose_at(now_ns), self._places_of(traveller)
+        goal, node = places.node_at(target.x, target.y), places.node_at(pose.x, pose.y)
+        if goal is None:
+            return None
+        if node is not None and self.is_at_node(traveller, now_ns):
+            return _Start(traveller, node, None, goal)
+        edge = places.edge_at(pose.x, pose.y, traveller.held)
+        return None if edge is None else _Start(traveller, ('on its way', traveller.name), edge, goal)
+
+    def is_at_node(self, traveller: Traveller, now_ns: int) -> bool:
+        """Return whether a robot is at a node, and holds its places there: it may have set out to the next one."""
+        pose, places = traveller.navigator.robot.pose_at(now_ns), self._places_of(traveller)
+        node = places.node_at(pose.x, pose.y)
+        return node is not None and all(area in traveller.held for area in places.areas[node])
+
+    def _net(self, starts: Sequence[_Start]) -> Net:
+        """Return the net on which ``starts`` move among the other robots, which stay in their areas."""
+        places = self._places_of(starts[0].traveller)
+        areas: Dict[Any, Tuple[Area, ...]] = dict(places.areas)
+        steps: Dict[Any, Dict[str, Tuple[Area, ...]]] = dict(places.steps)
+        for start in starts:
+            if start.edge is not None:
+                areas[start.place] = tuple(area for area in start.traveller.held if area.capacity is not None)
+                steps[start.place] = dict.fromkeys(places.ends_of(start.edge, start.traveller.held),
+                                                   places.on_edges[start.edge])
+        taking_part = [start.traveller for start in starts]
+        room = {area: 0 if area.is_closed else area.capacity - sum(one not in taking_part for one in area.holders)
+                for area in self._traffic.areas() if area.capacity is not None}
+        return Net(areas, steps, room)
+
+    def _wanted(self, starts: Sequence[_Start], net: Net) -> List[Optional[str]]:
+        """Return where each robot has to stand at the end; None: its goal is taken by a robot that comes first."""
+        room = dict(net.room)
+        wanted: List[Optional[str]] = []
+        for start in starts:
+            areas = net.areas[start.goal]
+            is_free = all(room[area] > 0 for area in areas)
+            for area in areas if is_free else ():
+                room[area] = room[area] - 1
+            wanted.append(start.goal if is_free else None)
+        return wanted
+
+    def _tell(self, starts: Sequence[_Start], now_ns: int) -> None:
+        key = tuple(sorted((start.traveller.name, start.goal) for start in starts))
+        if key in self._told:
+            return
+        self._told[key] = True
+        first = min((start.traveller for start in starts), key=lambda one: one.rank)
+        first.tell(Warned(now_ns, first.name, (
+            'There is no order of moves in which these robots all come to their goals: {}. Each place has room for so '
+            'few that they cannot pass one another, unless a robot leaves its goal.').format(
+                ', '.join('{} to {}'.format(*one) for one in key))))
