@@ -140,6 +140,26 @@ def test_a_robot_without_an_order_goes_to_charge_while_its_charge_is_enough_for_
     assert empty_ones(dispatch) == ['r_0']
 
 
+@pytest.mark.parametrize('x, parks', [(35.0, True), (45.0, False)])
+def test_a_robot_parks_only_where_it_gets_to_a_charger_from(x, parks):
+    dispatch = ahead_of(robots=1, each={0: {'start_x': 2.0, 'battery_start': 0.9}}, dispatcher={
+        **AHEAD, 'park_when_idle': True}, places=[{'name': 'lot', 'x': x, 'parking': True}])
+    dispatch.run(until=500.0)
+    assert bool(told(dispatch, 'park_assigned')) == parks
+    assert empty_ones(dispatch) == []
+
+
+@pytest.mark.parametrize('far, robot', [((38.0, 0.0), 'r_0'), ((43.0, 0.0), 'r_1')])
+def test_of_a_robot_on_its_way_the_worse_end_of_the_way_counts(far, robot):
+    each = {0: {'start_x': 2.0}, 1: {'battery_capacity': 0.0, 'start_x': -50.0}}
+    dispatch = ahead_of(robots=2, each=each, dispatcher={**AHEAD, 'park_when_idle': True},
+                        places=[{'name': 'lot', 'y': 20.0, 'parking': True}])
+    dispatch.run(until=5.0)
+    dispatch.order(order('one', far))
+    dispatch.run(until=6.0)
+    assert [row[1] for row in told(dispatch, 'order_assigned')] == [robot]
+
+
 @pytest.mark.parametrize('settings, empty', [(AHEAD, []), ({'charge_below': 0.55}, ['r_1'])])
 def test_who_would_not_reach_a_taken_charger_later_waits_at_its_border_and_the_other_one_makes_room(settings, empty):
     dispatch = dispatch_of(robots=2, zones=[dict(DOCK, charger=2.5)], dispatcher=settings, **BATTERY, each={

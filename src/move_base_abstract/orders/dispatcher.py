@@ -93,7 +93,8 @@ class Dispatcher:
         self._policy = policy
         self._distance = distance
         self._take_row = tell
-        self._parking = Parking(places.values() if settings.park_when_idle else (), distance, self._send, self._tell)
+        self._parking = Parking(
+            places.values() if settings.park_when_idle else (), distance, self._send, self._tell, self._ahead)
         self._charging = Charging(settings, chargers, distance, self._send, self._tell, self._parking, self._ahead)
         self._open: Dict[str, OpenOrder] = {}  # in the order of arrival
         self._in_turn: List[OpenOrder] = []  # the same by priority, then arrival
@@ -265,7 +266,7 @@ class Dispatcher:
         return '{}.{}.{}'.format(one.order.order_id, robot.assigned, robot.stop + 1)
 
     def _send(self, robot: RobotState, pose: Pose2D, goal_id: str) -> None:
-        robot.goal_id, robot.parking = goal_id, ''
+        robot.goal_id, robot.parking, robot.bound_for = goal_id, '', (pose.x, pose.y)
         priority = robot.own_priority if robot.order is None else max(robot.own_priority, robot.order.order.priority)
         is_new, robot.priority = priority != robot.priority, priority
         self._commands[robot.name] = Drive(robot.name, goal_id, pose, priority if is_new else None)

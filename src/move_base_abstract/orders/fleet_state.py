@@ -75,6 +75,7 @@ class RobotState:
     is_lost: bool = False  # it has failed in such a way that its goal may never end
     is_empty: bool = False
     moves: bool = False
+    bound_for: Tuple[float, float] = (0.0, 0.0)  # where it was sent last
     works: bool = False  # known if robots look ahead
     wants: int = 0  # if it must charge, the charge [millionths] that it needs at least to be free again
     charge: Optional[int] = None  # the least that its charge may be now [millionths], None: it has no battery

@@ -41,8 +41,17 @@ class LookAhead:
         """Return whether the robot lacks the charge for an order; of one that has an order this is not known: False."""
         if robot.charge is None or robot.order is not None:
             return False
-        need = self._of_order(robot.name, robot.at, one.order, one.next_stop)
+        need = self._need(robot, one)
         return need is not None and robot.charge < need + self._reserve
+
+    def may_visit(self, robot: RobotState, place: Point) -> bool:
+        """Return whether the robot has the charge for the way to a place, and for that from there to a charger."""
+        if robot.charge is None:
+            return True
+        there, back = self._distance(robot.name, robot.at, place), self._of_way(robot.name, place)
+        if there is None or back is None:
+            return False
+        return robot.charge >= in_millionths(self._takes[robot.name](there, 0.0, 0.0)) + back + self._reserve
 
     def cannot_finish(self, robot: RobotState) -> bool:
         """Return whether a robot stands for an order that it can no longer finish, the reserve included."""
@@ -66,11 +75,11 @@ class LookAhead:
         needs: List[int] = []
         for one in orders:
             if self.is_short(robot, one):
-                need = self._of_order(robot.name, robot.at, one.order, one.next_stop) if robot.is_charging else (
+                need = self._need(robot, one) if robot.is_charging else (
                     self._from_charger(robot.name, one.order, one.next_stop))
                 if need is not None and need + self._reserve <= FULL:
                     needs.append(need + self._reserve)
-            elif self._of_order(robot.name, robot.at, one.order, one.next_stop) is not None:
+            elif self._need(robot, one) is not None:
                 return 0
         return min(needs, default=0)
 
@@ -86,6 +95,12 @@ class LookAhead:
         return None if least is None else (
             'charge: from a charger to its stops and back to one takes {:.2f} of a full battery, and {:g} must be '
             'left'.format(least / FULL, self._reserve / FULL))
+
+    def _need(self, robot: RobotState, one: OpenOrder) -> Optional[int]:
+        """Return what an order takes of a robot from where it is: on its way, from the worse one of the way's ends."""
+        begins = (robot.at, robot.bound_for) if robot.moves else (robot.at,)
+        needs = [self._of_order(robot.name, begin, one.order, one.next_stop) for begin in begins]
+        return max((need for need in needs if need is not None), default=None)
 
     def _of_way(self, robot: str, begin: Point) -> Optional[int]:
         """Return what the way to the nearest charger takes; None: no way leads to one."""

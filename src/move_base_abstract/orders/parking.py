@@ -1,8 +1,9 @@
 """Where robots stand that have nothing to do: at places with ``parking``, so that they leave those that others need.
 
 A robot without an order that does not charge drives to the nearest parking place with room; of equally near ones, to
-the first in the scenario. So does a robot that waits for a charger. Robots choose in the order of their names. If no
-place has room, the robot stays where it is. It may get an order, or be sent to charge, at any time.
+the first in the scenario. So does a robot that waits for a charger. A robot that looks ahead parks only where it has
+the charge to get to a charger again. Robots choose in the order of their names. If no place has room, the robot stays
+where it is. It may get an order, or be sent to charge, at any time.
 """
 from __future__ import annotations
 
@@ -14,13 +15,16 @@ from .fleet_state import FREE, PARKING, RobotState
 if TYPE_CHECKING:
     from ..tasks.places import Place
     from .charging import Send, Tell
+    from .look_ahead import LookAhead
     from .policies import Distance
 
 
 class Parking:
     """Sends idle robots to park at those of ``places`` that are for it; the other arguments are those of Charging."""
 
-    def __init__(self, places: Iterable[Place], distance: Distance, send: Send, tell: Tell) -> None:
+    def __init__(self, places: Iterable[Place], distance: Distance, send: Send, tell: Tell,
+                 ahead: Optional[LookAhead] = None) -> None:
+        self._ahead = ahead
         self._places = {place.name: place for place in places if place.parking}
         self._distance = distance
         self._send = send
@@ -76,7 +80,10 @@ class Parking:
         for index, place in enumerate(self._places.values()):
             if not self._has_room(place, robots) or robot.tried_now.get(place.name) == now_ns:
                 continue
-            away = self._distance(robot.name, robot.at, (place.pose.x, place.pose.y))
+            point = place.pose.x, place.pose.y
+            if self._ahead is not None and not self._ahead.may_visit(robot, point):
+                continue
+            away = self._distance(robot.name, robot.at, point)
             if away is not None:
                 found.append((away, index, place))
         return min(found)[2] if found else None
