@@ -203,7 +203,10 @@ std::string Node::waits(const OpenWaits& threads) const {
 }
 
 bool Node::hasInput() {
-  if (turn().hasGuest()) {
+  if (const char* const what = turn().guest()) {
+    if (*what != '\0') {
+      label(std::string("a thread that takes no turns has woken one that waited for ") + what);
+    }
     return true;
   }
   const Lock lock(mutex_);

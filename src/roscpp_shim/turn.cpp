@@ -310,10 +310,14 @@ OpenWaits Turn::openWaits() {
   return waits;
 }
 
-bool Turn::hasGuest() {
+const char* Turn::guest() {
   const Lock lock(mutex_);
-  return std::any_of(waiting_.begin(), waiting_.end(),
-                     [](const Task* task) { return task->is_signalled; });
+  const auto at = std::find_if(waiting_.begin(), waiting_.end(),
+                               [](const Task* task) { return task->is_signalled; });
+  if (at == waiting_.end() || (*at)->is_loose) {
+    return at == waiting_.end() ? nullptr : "";
+  }
+  return (*at)->wait.what == nullptr ? "its turn" : (*at)->wait.what;
 }
 
 }  // namespace move_base_abstract::shim

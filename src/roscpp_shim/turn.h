@@ -208,9 +208,9 @@ class Turn {
   Nanoseconds nextWake();
   /** @return the first instant at which a thread goes on with any grant, or kNever. */
   Nanoseconds firstLook();
-  /** @return whether a thread can go on that ran beside the others, or that others have signalled.
-   */
-  bool hasGuest();
+  /** @return what a thread has waited for that others have signalled; "": a thread that ran beside
+   * the others can go on; null: there is none. */
+  const char* guest();
 
  private:
   /** @brief Notices the end of a thread, as the last thing that the thread does. */
