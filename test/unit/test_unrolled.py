@@ -1,4 +1,6 @@
 """Shell scripts that start several nodes in the background: an adopted file gets these nodes in the script's place."""
+import tracemalloc
+
 import pytest
 
 from move_base_abstract_ros.adopting import unrolled
@@ -48,6 +50,17 @@ def test_a_script_that_does_not_end_is_ended_and_what_it_has_started_counts(tmp_
     path.chmod(0o755)
     assert unrolled.nodes_of(str(path), [], {}, lambda *_: None) == (
         [unrolled.Unrolled('/b', 'a/b', '')], '; while they were looked for, it could not do this: end within 0.5 s')
+
+
+def test_what_a_script_prints_is_not_kept(tmp_path):
+    path = tmp_path / 'x'
+    path.write_text('#!/bin/sh\nrosrun a b &\nhead -c 50000000 /dev/zero\n')
+    path.chmod(0o755)
+    tracemalloc.start()
+    found, _ = unrolled.nodes_of(str(path), [], {}, lambda *_: None)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert [one.name for one in found] == ['/b'] and most < 5_000_000
 
 
 def test_a_script_changes_nothing_and_what_it_is_refused_is_told(tmp_path):

@@ -96,11 +96,11 @@ def _run_restricted(path, words, folder):
     environment = {name: value for name, value in os.environ.items() if name != 'BASH_ENV'}
     child = subprocess.Popen(
         ['/bin/bash', '-r', '-c', _BEFORE + text, path, *words], cwd=folder, stdin=subprocess.DEVNULL,
-        env={**environment, 'PATH': folder, 'LC_ALL': 'C'}, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env={**environment, 'PATH': folder, 'LC_ALL': 'C'}, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         start_new_session=True)
     late = []
     try:
-        errors = child.communicate(timeout=_LONGEST)[1]  # until what it has started has closed its output, too
+        errors = child.communicate(timeout=_LONGEST)[1]  # until what it has started has closed it, too
     except subprocess.TimeoutExpired:  # what it waits for is not there; what it has started by then is noted
         late = ['end within {:g} s'.format(_LONGEST)]
         os.killpg(child.pid, signal.SIGKILL)
