@@ -33,6 +33,8 @@ class BuiltinBackend:
     The topics are latched, so that nodes that start later get the robot's pose.
     """
 
+    has_tf = True
+
     def __init__(self, names: RobotNames, settings: RobotSettings) -> None:
         global_frame, odom_frame = settings.values['global_frame'], settings.odom_frame
         self._base_frame = settings.frame(settings.values['robot_base_frame'])
@@ -64,6 +66,8 @@ class BuiltinBackend:
 
     def heartbeat(self, pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf only. tf allows one pose for an instant, so a jump gets a stamp 1 ns after the last one."""
+        if not self.has_tf:
+            return
         told_ns, told = self._tf_told
         if stamp_ns <= told_ns:
             playing.refuse()
@@ -89,7 +93,8 @@ class BuiltinBackend:
             found = present()
             return None if found is None else (found[2], partial(self._transforms, found[0], self.shift))
         self._poses.present = self._odometry.present = present
-        tf_hub.follow(self._base_frame, transforms)
+        if self.has_tf:
+            tf_hub.follow(self._base_frame, transforms)
 
     def is_heard(self) -> int:
         """Return which nodes listen to the robot's pose, other than by tf: NOBODY (0), ONLOOKERS or PARTICIPANTS."""

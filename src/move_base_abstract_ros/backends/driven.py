@@ -1,7 +1,7 @@
 """What simulators of robots under velocities publish: odometry, tf from the odom frame on, and the true pose."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 from nav_msgs.msg import Odometry as OdometryMessage
 
@@ -10,7 +10,6 @@ from move_base_abstract.motion.geometry import Pose2D
 from ..messages import packing
 from ..messages.outlets import LatchedOutlets
 from ..messages.packing import InFrame, Template
-from ..transforms import tf_hub
 from .builtin import BuiltinBackend
 
 if TYPE_CHECKING:
@@ -49,8 +48,8 @@ class DrivenBackend(BuiltinBackend):
         self._odom_in_map = InFrame(global_frame, odom_frame) if (
             values['publish_map_frame'] and odom_frame != global_frame) else None
         self.frames = [odom_frame] * (self._odom_in_map is not None)
-        self._has_tf = values['enable_odom_tf']
-        if self._has_tf:
+        self.has_tf = values['enable_odom_tf']
+        if self.has_tf:
             self.frames += [lower] + [self._base_frame] * (self._below is not None)
         shown = [self._odom_in_map, self._lower_in_odom, self._below]
         self._tf_slots = packing.slots_of_transforms([frame for frame in shown if frame is not None],
@@ -69,21 +68,10 @@ class DrivenBackend(BuiltinBackend):
         return ((self._robot.pose_at(now_ns), self._track.pose_at(now_ns)),
                 (self._robot.velocity_at(now_ns), self._track.velocity_at(now_ns)))
 
-    def heartbeat(self, poses: Any, stamp_ns: int) -> None:
-        """Publish tf only, if it is to be published."""
-        if self._has_tf:
-            super().heartbeat(poses, stamp_ns)
-
-    def follow(self, present: Callable[[], Optional[Tuple[Any, Any, int]]]) -> None:
-        """Tell new listeners ``present()``, as in BuiltinBackend, on tf only if that is to be published."""
-        super().follow(present)
-        if not self._has_tf:
-            tf_hub.forget(self._base_frame)
-
     def looks(self, _pose: Pose2D, stamp_ns: int) -> None:
         """Publish tf at the instant of a scan, unless a later one was published."""
-        if stamp_ns > self._tf_told[0]:
-            self.heartbeat(self.poses_at(stamp_ns)[0], stamp_ns)
+        poses: Any = self.poses_at(stamp_ns)[0]
+        super().looks(poses, stamp_ns)
 
     def _transforms(self, poses: Any, _shift: Any, stamp_ns: int) -> List[bytes]:
         true, seen = poses
