@@ -202,6 +202,14 @@ def test_defaults_of_stage(tmp_path):
     assert found.bodies[1].odom_error == (0.03, 0.03, 0.0, 0.05)
 
 
+def test_a_sonar_of_stage_is_a_laser_with_one_beam(package):
+    write_map(package)
+    write_stage(package, '2.0 1.5 0 0')
+    made = adopt(package('two.launch', STAGE.format('-g', '', '')))
+    assert made.problems == ()
+    assert rows(made)['robot_1']['scan_beams'] == 1
+
+
 def test_names_of_models_count_and_a_robot_alone_has_no_prefix(package):
     write_map(package)
     write_stage(package, '2.0 1.5 0 0')

@@ -182,9 +182,16 @@ def test_a_robot_without_a_map_sees_robots_only():
     assert [math.isinf(each) for each in fleet.robot('c').scan().ranges] == [False, True, True]
 
 
+def test_one_beam_has_one_direction():
+    fleet = Fleet(make_scenario({'defaults': dict(FORWARD, scan_beams=1, scan_angle_min=0.0, scan_angle_max=0.0),
+                                 'robots': ROBOTS}))
+    assert fleet.robot('a').scan().ranges.tolist() == [pytest.approx(3.0 - 0.51, abs=0.01)]
+
+
 @pytest.mark.parametrize('parameters, text', [
     ({'scan_range_min': 3.0, 'scan_range_max': 3.0}, 'scan_range_min: got 3.0 with scan_range_max: 3'),
     ({'scan_angle_min': 1.0, 'scan_angle_max': 0.0}, 'scan_angle_min: got 1.0 with scan_angle_max: 0'),
+    ({'scan_beams': 2, 'scan_angle_min': 1.0, 'scan_angle_max': 1.0}, 'scan_angle_min: got 1.0 with scan_angle_max: 1'),
     ({'scan_beams': 0}, 'scan_beams: got 0'), ({'scan_rate': -1.0}, 'scan_rate: got -1.0')])
 def test_impossible_lasers_are_refused(parameters, text):
     with pytest.raises(ConfigurationError, match=text):

@@ -70,7 +70,7 @@ def read_laser(values: Dict[str, Any], where: str) -> LaserSettings:
     """
     for what, unit in (('angle', 'rad'), ('range', 'm')):
         low, high = values['scan_{}_min'.format(what)], values['scan_{}_max'.format(what)]
-        if not low < high:
+        if low > high or low == high and (what == 'range' or values['scan_beams'] > 1):  # one beam has one angle
             raise error(place_of(where, f'scan_{what}_min'), low, f'less than that [{unit}]',
                         f' with scan_{what}_max: {high:g}')
     return LaserSettings(values['scan_rate'], values['scan_beams'], values['scan_angle_min'], values['scan_angle_max'],
