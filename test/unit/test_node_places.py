@@ -145,6 +145,20 @@ def test_a_robot_gives_way_to_the_node_from_which_it_came(tmp_path, lane):
     assert [row[1] for row in rows(fleet, 'ended')] == ['b', 'a']
 
 
+def test_robots_stop_giving_way_where_it_does_no_good(tmp_path):
+    """Each of them would have to go into the siding, which is not on the way by which it came."""
+    fleet = fleet_on(net_file(tmp_path, CORRIDOR, LANES, {'capacity': 1}, node_capacity=1),
+                     {'a': CORRIDOR['A'], 'b': CORRIDOR['B']}, deadlock='retreat')
+    fleet.robot('a').send(*CORRIDOR['B'])
+    fleet.robot('b').send(*CORRIDOR['A'])
+    fleet.run(until=1000.0)
+    assert not fleet.simulation.queue.is_busy()
+    assert len(rows(fleet, 'gave_way')) == 6 and fleet.warnings[-1].text.endswith('None of them can give way.')
+    fleet.robot('b').send(*CORRIDOR['B'])  # with another goal it begins anew
+    fleet.run(until=2000.0)
+    assert [row[1] for row in rows(fleet, 'ended')][1:] == ['b'] and rows(fleet, 'ended')[0][1] == 'b'
+
+
 def test_more_robots_than_places_start_at_a_node_with_a_warning(tmp_path):
     fleet = fleet_on(net_file(tmp_path, CORRIDOR, LANES, node_capacity=1), {'a': CORRIDOR['A'], 'b': CORRIDOR['A']})
     assert [one.text for one in fleet.warnings] == [

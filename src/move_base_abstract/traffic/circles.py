@@ -1,9 +1,9 @@
 """Circles of waiting that one robot closes: each is reported, then a goal is aborted or a robot gives way."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
-from ..goals.events import Held, Warned
+from ..goals.events import Abandoned, Held, Warned
 from ..goals.outcome import NO_CONTROL
 from ..goals.traffic_events import Deadlock
 from .giving_way import way_back, who_gives_way
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from .traveller import Traveller
     from .waiting import Reason
 
+_MOST_TIMES = 3  # that a robot gives way in the same circle for the same goals
+
 
 class Circles:
     """Handle the circles of waiting that one ``traveller`` (Traveller) closes, as the rules of ``traffic`` say."""
@@ -30,8 +32,10 @@ class Circles:
         self._policy = traffic.rules.policy
         self._navigator = navigator
         self._tell = stream.tell
+        self.goals = 0  # the number of its goals that have ended
+        self._resolved: Dict[Any, int] = {}  # how often it has given way in which circle, for its present goal
         if self._policy is DeadlockPolicy.RETREAT:
-            stream.subscribe('traffic', {Held: self._look_again})
+            stream.subscribe('traffic', {Held: self._look_again, Abandoned: self._goal_ended})
 
     def look(self, now_ns: int) -> None:
         """Report each circle of waiting that the robot closes, once, and resolve it as the policy says.
@@ -60,6 +64,7 @@ class Circles:
             if yields is None:
                 return
             traveller, way = yields
+            traveller.circles.gives_way_in(circle)
             traveller.serve(lambda one, at_ns, way=way: one.gives_way(way, at_ns), now_ns)  # type: ignore[misc]
 
     def _is_waited_for(self) -> bool:
@@ -75,6 +80,19 @@ class Circles:
         """
         one = self._traveller
         return way_back(self.driven, one.held, one.stays, one.edges) if one.waits_only else None
+
+    def gives_way_in(self, circle: Sequence[Tuple[Traveller, Reason]]) -> None:
+        """Note that the robot gives way in ``circle``."""
+        key = _key(circle)
+        self._resolved[key] = self._resolved.get(key, 0) + 1
+
+    def is_tired_of(self, circle: Sequence[Tuple[Traveller, Reason]]) -> bool:
+        """Return whether the robot has given way so often in ``circle`` that it does no good: nobody got to a goal."""
+        return self._resolved.get(_key(circle), 0) >= _MOST_TIMES
+
+    def _goal_ended(self, _event: Abandoned) -> None:
+        self.goals += 1
+        self._resolved.clear()
 
     def _look_again(self, event: Held) -> None:
         """If the robot is in a circle and no other reason holds it any more, it may give way now: look again."""
@@ -95,6 +113,11 @@ class Circles:
             '; '.join(_words(*pair) for pair in zip(circle, [*circle[1:], circle[0]])), what)))
 
 
+def _key(circle: Sequence[Tuple[Traveller, Reason]]) -> Tuple[Tuple[str, str, int], ...]:
+    """Return by what a circle is known again as long as none of its robots has got to its goal."""
+    return tuple((one.name, reason.area.name, one.circles.goals) for one, reason in circle)
+
+
 def _words(waits: Tuple[Traveller, Reason], following: Tuple[Traveller, Reason]) -> str:
     traveller, reason = waits
     return '{} for {}{}'.format(traveller.name, reason.area.name, ', which would cut {} off'.format(
@@ -105,6 +128,6 @@ def _who_gives_way(circle: Sequence[Tuple[Traveller, Reason]]) -> Optional[Tuple
     """Return (the first robot that should give way and has a way back, that way), or None if there is none."""
     for traveller in who_gives_way(circle):
         way = traveller.circles.way_back()
-        if way is not None:
+        if way is not None and not traveller.circles.is_tired_of(circle):
             return traveller, way
     return None
