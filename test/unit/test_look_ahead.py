@@ -171,6 +171,13 @@ def test_who_would_not_reach_a_taken_charger_later_waits_at_its_border_and_the_o
     assert held == ([] if empty else [('held', 'zone dock')])
 
 
+def test_time_goes_on_for_a_robot_that_waits_at_the_border_of_a_charger():
+    dispatch = dispatch_of(robots=2, zones=[dict(DOCK, charger=5.0)], dispatcher=AHEAD, **BATTERY, each={
+        0: {'start_x': 3.0, 'battery_start': 0.12}, 1: {'start_x': 20.0, 'battery_start': 0.29}})
+    dispatch.run()
+    assert [row[1] for row in told(dispatch, 'charging_began')] == ['r_0', 'r_1']
+
+
 def test_a_robot_that_runs_empty_where_it_waits_for_a_charger_is_in_the_warnings_with_that_reason():
     dispatch = dispatch_of(robots=2, zones=[dict(DOCK, charger=0.1)], dispatcher={'charge_below': 0.3}, **BATTERY,
                            each={0: {'battery_start': 0.2}, 1: {'start_x': 30.0, 'battery_start': 0.31}})

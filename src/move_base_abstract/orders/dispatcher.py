@@ -25,6 +25,7 @@ from .fleet_state import (
     HEARD_AHEAD,
     OTHERS,
     PARKING,
+    TO_CHARGER,
     WORKING,
     RobotStart,
     RobotState,
@@ -123,7 +124,8 @@ class Dispatcher:
     def waits_for_charge(self) -> bool:
         """Whether a robot that must charge is charging while orders, or robots without a charger, wait."""
         return any(robot.must_charge and robot.is_charging for robot in self.robots) and (
-            bool(self._open) or any(robot.awaits_charger_since is not None for robot in self.robots))
+            bool(self._open) or any(robot.awaits_charger_since is not None or (
+                self._ahead is not None and robot.phase == TO_CHARGER and not robot.moves) for robot in self.robots))
 
     def hears(self, robot: str, kind: str) -> bool:
         """Return whether the dispatcher needs rows of this kind of this robot."""
