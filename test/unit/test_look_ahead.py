@@ -214,7 +214,7 @@ def test_what_the_levels_may_be():
         Dispatch(replace(bare, dispatcher=scenario.dispatcher))
 
 
-def world_of(seed, **settings):
+def world_of(seed, turned=False, **settings):
     dice = random.Random(seed)
 
     def spot():
@@ -229,7 +229,7 @@ def world_of(seed, **settings):
     return Dispatch(make_scenario({
         'seed': seed, 'defaults': {**BATTERY, 'max_speed': dice.choice([0.5, 1.0]),
                                    'acceleration': dice.choice([0.0, 0.3])},
-        'robots': robots, 'zones': zones, 'places': [],
+        'robots': robots[::-1] if turned else robots, 'zones': zones, 'places': [],
         'dispatcher': {'policy': dice.choice(sorted(POLICIES)), 'charge_below': 0.05, **settings},
         'orders': [{'name': 'o', 'every': dice.uniform(5.0, 60.0), 'count': 40, 'stops': [
             {'area': [-12.0, -12.0, 12.0, 12.0], 'duration': dice.uniform(0.0, 30.0), 'power': dice.uniform(0.0, 10.0)}
@@ -252,3 +252,14 @@ def test_without_looking_ahead_robots_of_the_same_worlds_run_empty():
         dispatch.run(until=3000.0)
         empty += bool(empty_ones(dispatch))
     assert empty > 2
+
+
+@pytest.mark.parametrize('seed', range(times(4, 100)))
+def test_the_order_of_robots_in_the_file_changes_nothing(seed):
+    runs = []
+    for turned in (False, True):
+        dispatch = world_of(seed, turned, charge_reserve=0.02, charge_full=0.95)
+        dispatch.run(until=1500.0)
+        runs.append(sorted(told(dispatch, 'battery', 'departed', 'order_assigned', 'order_returned', 'order_done',
+                                'charge_assigned', 'charge_awaited', 'charge_over'), key=lambda row: row[:2]))
+    assert runs[0] == runs[1]
