@@ -120,7 +120,8 @@ def _motions(legs: Any, calibration: Calibration, ways: MapWays, radius: float) 
             found.append(_Motion(Track(paced, None, begin_ns, reach), begin_ns, end_ns, leg,
                                  way_along(leg.start, corners, leg.goal)))
         found.append(_Motion(Track(None, leg.end, end_ns, reach), end_ns, LAST_NS, None, None))
-    return [one._replace(end_ns=min(one.end_ns, other.begin_ns)) for one, other in zip(found, [*found[1:], found[-1]])]
+    return [*(one._replace(end_ns=min(one.end_ns, other.begin_ns)) for one, other in zip(found, found[1:])),
+            *found[-1:]]
 
 
 def _of_mission(name: str, motions: Mapping[str, List[_Motion]], radius: float, first: int) -> List[MetLeg]:

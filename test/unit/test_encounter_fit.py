@@ -87,6 +87,15 @@ def test_who_meets_whom_follows_from_ways_and_times(tmp_path):
     assert again.meetings == ()
 
 
+def test_a_robot_that_stands_after_its_last_goal_is_met(tmp_path):
+    write_recording(tmp_path, [(0, 1, (2.0, 5.0, 0.0), (15.0, 5.0, 0.0), 0.0, 20.0, 3),
+                               (1, 1, (28.0, 5.5, 3.14), (2.0, 5.5, 3.14), 30.0, 60.0, 3)])
+    first, other = met_legs(tmp_path, read_calibration('move_base_dwa_stage', 'test'), 3.0, 0.4)
+    (meeting,) = other.meetings
+    assert (meeting.kind, meeting.may_yield, meeting.other) == ('standing', True, None) and first.meetings == ()
+    assert meeting.nearest == pytest.approx(0.5, abs=1e-3)
+
+
 @pytest.mark.parametrize('old, new, message', [
     (b'm,1,1', b'other,1,1', "legs.csv.gz: run: got 'other'; allowed: one that missions.csv has"),
     (b'0.0,60.0,60.0', b',60.0,60.0', 'legs.csv.gz: run m, robot 1, goal 1: no number in send_s'),
