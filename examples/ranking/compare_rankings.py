@@ -5,8 +5,8 @@
 
 PICTURE.png shows the real and the simulated distributions, quantile by quantile.
 
-Both tables have a row for each mission, with the columns map, robots, policy, tasks and mission_s [s]. The real table
-also has the column ended, the simulated one the column level.
+Both tables have a row for each mission, with the columns map, robots, policy, tasks, mission_s [s] and ended. The
+simulated one also has the column level.
 A configuration is a map, a number of robots and a policy; its value is the mean makespan over its task sets.
 SRCC is Pearson's correlation of these values (Kadian and others, RA-L 2020), tau is Kendall's. The ceiling is the same
 numbers for two halves of the real missions. Intervals are 95 %, by resampling the task sets; if there is only one task
@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.stats import kendalltau, ks_2samp, pearsonr
 
 KEYS = ['map', 'robots', 'policy']
-DRAWS = 400
+DRAWS, PLACES = 400, 40
 
 
 def means(rows):
@@ -109,6 +109,21 @@ def distributions(real, simulated):
     return np.mean(inside), np.mean(told_apart)
 
 
+def told_apart_if_right(real, simulated, chance):
+    """Return the share of cells that the KS test would reject if each real cell were one of the simulated missions.
+
+    The real missions of a cell are repetitions of one mission, so they differ less than simulated ones. They are put
+    around a simulated makespan, with the differences that they have. Only missions that ended count.
+    """
+    rejected = []
+    for key, own in real[real.ended == 1].groupby(KEYS + ['tasks']):
+        same = [simulated[name] == value for name, value in zip(KEYS + ['tasks'], key)]
+        seeds = simulated[np.logical_and.reduce(same) & (simulated.ended == 1)].mission_s.to_numpy()
+        apart = own.mission_s.to_numpy() - own.mission_s.mean()
+        rejected.append(np.mean([ks_2samp(chance.choice(seeds) + apart, seeds).pvalue < 0.05 for _ in range(PLACES)]))
+    return np.mean(rejected)
+
+
 def quantile_plot(real, simulated, path):
     """Plot each real makespan against the simulated one at the same quantile of its cell, a panel for each level."""
     import matplotlib
@@ -146,10 +161,13 @@ def main(real_path, simulated_path, picture=None):
         one, other = means(own).align(means(real), join='inner')  # same configurations and task sets
         print('| {} | {:.3f} | {:.0f} % | {:.0f} % | {:.2f} ({}) | {:.2f} ({}) | {} of {} |'.format(
             level, np.nanmean(one) / np.nanmean(other), 100 * inside, 100 * apart, *srcc, *tau, same, certain))
+        right = told_apart_if_right(real, own, chance)
     print('| halves of the real missions | | | | {:.2f} | {:.2f} | |'.format(*top))
     if picture:
         quantile_plot(real, simulated, picture)
     print('\n{} real missions, {} of them ended by the limit.'.format(len(real), int((real.ended == 0).sum())))
+    print('If the last level were right, {:.0f} % of the cells would be told apart (missions that ended): repetitions '
+          'of a mission differ less than seeds.'.format(100 * right))
 
 
 if __name__ == '__main__':

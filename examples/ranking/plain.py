@@ -14,14 +14,16 @@ LEVELS = {'straight': {'max_speed': 1.0},
           'routes': {'max_speed': 1.0, **_WAYS},
           'calibrated': {'calibration': 'move_base_dwa_stage', **_WAYS}}
 LEVELS['encounters'] = LEVELS['calibrated']  # with encounters of robots
-_PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
+LEVELS['stuck'] = {**LEVELS['calibrated'], 'failure_kind': 'calibrated'}  # with encounters, at which some get stuck
+ALONE = ('straight', 'routes', 'calibrated')  # levels at which robots do not meet
+PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..')
 _maps = {}
 
 
 def paths_of(name):
     """Return the paths at which the map ``name`` may be: in maps/ and beside the recordings; an absolute path stays."""
     file = name if name.endswith('.yaml') else name + '.yaml'
-    return [os.path.join(_PACKAGE, folder, file) for folder in ('maps', 'examples/reality/ranking')]
+    return [os.path.join(PACKAGE, folder, file) for folder in ('maps', 'examples/reality/ranking')]
 
 
 def map_of(name):
@@ -36,7 +38,7 @@ def run_mission(level, policy, robots, mission, occupancy, seed):
     """Run one mission and return its makespan [s], whether it ended, and the number of tasks that failed."""
     starts = mission['starts'][:robots]
     env = Environment(make_scenario({
-        'seed': seed, 'encounters': 'calibrated' if level == 'encounters' else 'none', 'defaults': LEVELS[level],
+        'seed': seed, 'encounters': 'none' if level in ALONE else 'calibrated', 'defaults': LEVELS[level],
         'robots': scenario_robots(starts)}), trace=None, occupancy=occupancy)
     dispatcher = Dispatcher(policy, [start[:2] for start in starts], [tuple(task[:2]) for task in mission['tasks']])
     over = env.event()

@@ -3,6 +3,7 @@
     rosrun move_base_abstract calibrate RECORDING... [-o robot.yaml] [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate RECORDING... --predict robot.yaml [--map MAP.yaml --radius M]
     rosrun move_base_abstract calibrate FOLDER... --encounters robot.yaml [-o robot_with_encounters.yaml]
+    rosrun move_base_abstract calibrate FOLDER... --stuck robot.yaml [-o robot_that_gets_stuck.yaml]
 
 Exit codes: 0 written; 2 a file cannot be read or written, there are too few legs, a library is missing, or the
 arguments are wrong.
@@ -12,7 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
@@ -63,10 +64,14 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
                         'recordings of several robots, and add it to the values of this file (or of a calibration '
                         'that ships)')
+    parser.add_argument('--stuck', metavar='CALIBRATION', help='fit how robots get stuck to such folders, and add it '
+                        'to the values of this file')
+    parser.add_argument('--touch', type=POSITIVE, metavar='M', default=0.52, help='with --stuck: robots touch if their '
+                        'centres are no further apart (default: %(default)g m)')
     parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '
                         'on this map, not the recorded ones')
     parser.add_argument('--radius', type=POSITIVE, metavar='M', default=0.46,
-                        help='with --map or --encounters: distance of ways from occupied cells (default: '
+                        help='with --map, --encounters or --stuck: distance of ways from occupied cells (default: '
                         '%(default)g m)')
     parser.add_argument('--clear-of-robots', type=POSITIVE, metavar='M', help='leave out legs that came nearer than '
                         'this to another robot, if the recording says so')
@@ -85,8 +90,8 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
 
 
 def _run(options: argparse.Namespace) -> None:
-    if options.encounters:
-        _encounters(options)
+    if options.encounters or options.stuck:
+        _add_section(options)
     elif options.predict:
         _predict(options)
     else:
@@ -107,15 +112,22 @@ def _predict(options: argparse.Namespace) -> None:
                       check.success_rates(values, pairs))])
 
 
-def _encounters(options: argparse.Namespace) -> None:
-    from . import encounter_report, outputs  # these take a while to import
+def _add_section(options: argparse.Namespace) -> None:
+    from . import encounter_report, outputs, stuck_fit  # these take a while to import
     outputs.check(options.output)
-    name = os.path.abspath(options.encounters) if options.encounters.endswith('.yaml') else options.encounters
-    values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
+    name = options.encounters or options.stuck
+    name = os.path.abspath(name) if name.endswith('.yaml') else name
+    found: Iterable[str]
+    if options.encounters:
+        values, fitted, scores, _ = encounter_report.calibrate_encounters(options.recordings, name, options.radius)
+        found = encounter_report.lines(fitted, scores)
+    else:
+        values, how, cases, reach = stuck_fit.calibrate_stuck(options.recordings, name, options.radius, options.touch)
+        found = stuck_fit.lines(how, cases, reach)
     source, recorded, kept, motion = (values.pop(name, None) for name in (
         'source', 'recorded', 'intervals', 'tail_motion'))
     outputs.write(options.output, outputs.yaml_text(values, source, recorded, kept, _KEPT, motion))
-    for line in encounter_report.lines(fitted, scores):
+    for line in found:
         print(line)
     print(options.output)
 

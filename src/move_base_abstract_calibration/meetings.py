@@ -7,7 +7,7 @@ simulator (:mod:`move_base_abstract.encounters`), so that values fitted to them 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from move_base_abstract.common.csv_files import open_csv, rows_of
 from move_base_abstract.common.errors import ConfigurationError
@@ -25,6 +25,7 @@ from .csv_files import read_legs
 from .legs import way_along
 
 if TYPE_CHECKING:
+    from move_base_abstract.maps.occupancy import OccupancyMap
     from move_base_abstract.motion.calibration import Calibration
 
     from .legs import RecordedLeg, Way
@@ -68,11 +69,19 @@ def met_legs(folder: Union[str, Path], calibration: Calibration, radius: float, 
 
     :raises ConfigurationError: if a file cannot be read, or a leg is of a mission that is not in missions.csv.
     """
-    folder = Path(folder)
     found: List[MetLeg] = []
+    for row, _, motions in motions_of(folder, calibration, radius, robot_radius):
+        found += _of_mission(row['map'], motions, radius, first + len(found))
+    return found
+
+
+def motions_of(folder: Union[str, Path], calibration: Calibration, radius: float,
+               robot_radius: float) -> Iterator[Tuple[Mapping[str, str], OccupancyMap, Dict[str, List[Motion]]]]:
+    """Yield (row of missions.csv, its map, {robot: [Motion, ...]}) for each mission; see :func:`met_legs`."""
+    folder = Path(folder)
     missions: Dict[str, Dict[str, List[RecordedLeg]]] = {}  # {mission: {robot: legs}}
     with open_csv(folder / 'missions.csv') as stream:
-        maps = {row['run']: row['map'] for _, row in rows_of(stream, folder / 'missions.csv', ('run', 'map'))}
+        maps = {row['run']: row for _, row in rows_of(stream, folder / 'missions.csv', ('run', 'map'))}
     for leg in read_legs(folder / 'legs.csv.gz'):
         if leg.recording not in maps:
             raise ConfigurationError('{}: run: got {}; allowed: one that missions.csv has'.format(
@@ -81,15 +90,14 @@ def met_legs(folder: Union[str, Path], calibration: Calibration, radius: float, 
             raise ConfigurationError('{}: run {}, robot {}, goal {}: no number in send_s, end_x, end_y or end_yaw; all '
                                      'must be there'.format(folder / 'legs.csv.gz', *leg[:3]))
         missions.setdefault(leg.recording, {}).setdefault(leg.robot, []).append(leg)
-    for run, name in maps.items():
-        ways = _ways(name, folder, robot_radius)
-        motions = {robot: _motions(legs, calibration, ways, radius)
-                   for robot, legs in sorted(missions.get(run, {}).items())}
-        found += _of_mission(name, motions, radius, first + len(found))
-    return found
+    for run, row in maps.items():
+        occupancy = _map(row['map'], folder)
+        ways = MapWays.on(occupancy, robot_radius)
+        yield row, occupancy, {robot: _motions(legs, calibration, ways, radius)
+                               for robot, legs in sorted(missions.get(run, {}).items())}
 
 
-class _Motion(NamedTuple):
+class Motion(NamedTuple):
     """A leg of a robot, or a stand (``leg`` and ``way`` are None), from ``begin_ns`` to ``end_ns`` [ns]."""
 
     track: Track
@@ -99,38 +107,37 @@ class _Motion(NamedTuple):
     way: Optional[Way]
 
 
-def _ways(name: str, folder: Path, robot_radius: float) -> MapWays:
+def _map(name: str, folder: Path) -> OccupancyMap:
     path = folder / (name + '.yaml')
-    description = read_description(str(path if path.exists() else _MAPS / (name + '.yaml')))
-    return MapWays.on(load_map(description), robot_radius)
+    return load_map(read_description(str(path if path.exists() else _MAPS / (name + '.yaml'))))
 
 
-def _motions(legs: Any, calibration: Calibration, ways: MapWays, radius: float) -> List[_Motion]:
-    """Return the _Motion objects of a robot's ``legs`` [RecordedLeg]; legs without a way on the map are stands."""
+def _motions(legs: Any, calibration: Calibration, ways: MapWays, radius: float) -> List[Motion]:
+    """Return the Motion objects of a robot's ``legs`` [RecordedLeg]; legs without a way on the map are stands."""
     found, reach = [], 2.0 * radius
     for leg in sorted(legs, key=lambda leg: leg.sent):
         begin_ns, end_ns = (seconds_to_ns(at) for at in (leg.sent, leg.sent + leg.duration))
         corners = ways.corners(leg.start, leg.goal)
         if corners is None:
-            found.append(_Motion(Track(None, leg.start, begin_ns, reach), begin_ns, end_ns, None, None))
+            found.append(Motion(Track(None, leg.start, begin_ns, reach), begin_ns, end_ns, None, None))
         else:
             paced = PacedLeg(PhasedRoute(leg.start, leg.goal, corners, calibration.limits, calibration.phases,
                                          calibration.tolerances, begin_ns),
                              Pace(seconds_to_ns(calibration.durations.delay), 1.0))
-            found.append(_Motion(Track(paced, None, begin_ns, reach), begin_ns, end_ns, leg,
+            found.append(Motion(Track(paced, None, begin_ns, reach), begin_ns, end_ns, leg,
                                  way_along(leg.start, corners, leg.goal)))
-        found.append(_Motion(Track(None, leg.end, end_ns, reach), end_ns, LAST_NS, None, None))
+        found.append(Motion(Track(None, leg.end, end_ns, reach), end_ns, LAST_NS, None, None))
     return [*(one._replace(end_ns=min(one.end_ns, other.begin_ns)) for one, other in zip(found, found[1:])),
             *found[-1:]]
 
 
-def _of_mission(name: str, motions: Mapping[str, List[_Motion]], radius: float, first: int) -> List[MetLeg]:
+def _of_mission(name: str, motions: Mapping[str, List[Motion]], radius: float, first: int) -> List[MetLeg]:
     counted: Any = [(robot, one) for robot in motions for one in motions[robot]
                     if one.leg is not None and _counts(one.leg)]
     numbers = {id(one): first + number for number, (_, one) in enumerate(counted)}
     return [MetLeg(name, one.way, one.leg.duration, one.leg.succeeded, tuple(
         meeting for other in motions if other != robot for theirs in motions[other]
-        for meeting in _meetings(one, theirs, radius, numbers)), one.leg.cut) for robot, one in counted]
+        for meeting in meetings_of(one, theirs, radius, numbers)), one.leg.cut) for robot, one in counted]
 
 
 def _counts(leg: RecordedLeg) -> bool:
@@ -138,8 +145,8 @@ def _counts(leg: RecordedLeg) -> bool:
         leg.clearance is None or leg.clearance >= LEAST_CLEARANCE)
 
 
-def _meetings(own: _Motion, theirs: _Motion, radius: float, numbers: Mapping[int, int]) -> List[Meeting]:
-    """Return the Meeting of a leg with a _Motion of another robot, as a list: [Meeting] or []."""
+def meetings_of(own: Motion, theirs: Motion, radius: float, numbers: Mapping[int, int]) -> List[Meeting]:
+    """Return the Meeting of a leg with a Motion of another robot, as a list: [Meeting] or []."""
     begin_ns, end_ns = max(own.begin_ns, theirs.begin_ns), min(own.end_ns, theirs.end_ns)
     if begin_ns >= end_ns or (theirs.leg is None and begin_ns > own.begin_ns and theirs.begin_ns == begin_ns):
         return []  # the other robot's leg has ended meanwhile; its stand is no new encounter

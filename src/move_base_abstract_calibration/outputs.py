@@ -10,8 +10,9 @@ import jinja2
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.motion.calibration import ENCOUNTERS, FORMAT, TABLE, make_calibration
+from move_base_abstract.motion.calibration import ENCOUNTERS, FORMAT, STUCK, TABLE, make_calibration
 from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
+from move_base_abstract.motion.stuck_law import TABLE as OF_STUCK
 
 if TYPE_CHECKING:
     from move_base_abstract.common.parameter_table import Parameter
@@ -24,7 +25,7 @@ _FIRST_YAML = '# move_base_abstract calibration'
 _FIRST_PAGE = '<!doctype html><!-- move_base_abstract calibration -->'
 _DIGITS = 5
 MOST = 'tail_most'
-_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in (*TABLE, *OF_ENCOUNTERS)
+_UNITS = {parameter.name: parameter.allowed.rpartition('[')[2][:-1] for parameter in (*TABLE, *OF_ENCOUNTERS, *OF_STUCK)
           if parameter.allowed.endswith(']')}
 
 
@@ -44,9 +45,9 @@ def yaml_text(values: Values, source: str, recorded: Optional[Mapping[str, Tuple
               motion: Optional[Mapping[str, float]] = None) -> str:
     """Return the YAML of a calibration, with its numbers rounded to 5 digits and its content checked.
 
-    ``values`` may have the mapping ``encounters`` of an EncounterLaw. The file has these sections: ``recorded`` {name:
-    (low, high)}, ``intervals`` {name: (low, high) or HELD}, with the words ``how`` they were found, and ``motion``, the
-    tail_motion (None: unknown).
+    ``values`` may have the mappings ``encounters`` of an EncounterLaw and ``stuck`` of a StuckLaw. The file has these
+    sections: ``recorded`` {name: (low, high)}, ``intervals`` {name: (low, high) or HELD}, with the words ``how`` they
+    were found, and ``motion``, the tail_motion (None: unknown).
 
     :raises ConfigurationError: if it is no valid calibration.
     """
@@ -62,8 +63,10 @@ def yaml_text(values: Values, source: str, recorded: Optional[Mapping[str, Tuple
         if name in sections:
             lines.append('{}:  # {}'.format(name, comment))
             lines += ['  {}: {}'.format(key, one) for key, one in sections[name].items()]
-    if ENCOUNTERS in rounded:
-        lines += [ENCOUNTERS + ':', *_rows(OF_ENCOUNTERS, rounded[ENCOUNTERS], '  ')]
+    for name, table in ((ENCOUNTERS, OF_ENCOUNTERS), (STUCK, OF_STUCK)):
+        if name in rounded:
+            known = [parameter for parameter in table if parameter.name in rounded[name]]
+            lines += [name + ':', *_rows(known, rounded[name], '  ')]
     return '\n'.join(lines) + '\n'
 
 

@@ -58,14 +58,17 @@ def test_too_few_legs_that_met_are_refused():
         encounter_fit.fit_encounters(made_legs(19, 0.5, 8.0), VALUES, 3.0)
 
 
-def write_recording(folder, rows):
-    """Write a mission on an empty map of 30 m x 10 m; ``rows``: [(robot, goal, start, goal, send, result, state)]."""
+def write_recording(folder, rows, ends=()):
+    """Write a mission on an empty map of 30 m x 10 m; ``rows``: [(robot, goal, start, goal, send, result, state)].
+
+    ``ends``: {number of a goal: where it ended, if not at the goal}.
+    """
     (folder / 'missions.csv').write_text('run,map,kind,robots,seed,simulated_s,wall_s,legs,cycles,missed_loops,moved,'
                                          'load\nm,hall,headon,2,1,60.0,60.0,2,100,0,0,1.0\n')
     lines = [','.join(COLUMNS)]
     for robot, number, start, goal, send, result, state in rows:
-        lines.append(','.join(map(str, ['m', robot, number, *start, *goal, *goal, send, result, result - send, state,
-                                        0, 0, 0])))
+        lines.append(','.join(map(str, ['m', robot, number, *start, *goal, *dict(ends).get(number, goal), send, result,
+                                        result - send, state, 0, 0, 0])))
     (folder / 'legs.csv.gz').write_bytes(gzip.compress(('\n'.join(lines) + '\n').encode()))
     write_map(str(folder), 'hall', np.zeros((100, 300), bool), 0.1)
 

@@ -12,7 +12,7 @@ from ..common.parameter_table import Parameter, checked, place_of, read_table, u
 from ..driving.settings import DriveSettings, read_drive
 from ..energy.battery import BatterySettings, read_battery
 from ..faults.buggify import Buggify, read_buggify
-from ..faults.failures import Failures, read_failures
+from ..faults.failures import CALIBRATED, Failures, read_failures
 from ..goals.navigator import BadFramePolicy
 from ..goals.recovery import (
     BEHAVIORS_WITHOUT_ROTATION,
@@ -33,6 +33,7 @@ from ..motion.encounter_law import EncounterLaw
 from ..motion.geometry import Pose2D
 from ..motion.leg import MotionLimits, Tolerances
 from ..motion.original import POSE_RATES, RASBERRY, OriginalLaw
+from ..motion.stuck_law import StuckLaw
 from ..sensing.laser import LaserSettings, read_laser
 from . import upstream
 from .local_planner import (
@@ -180,8 +181,8 @@ def read_settings(raw: Mapping[str, Any], where: str) -> Optional[RobotSettings]
         recovery=_recovery(values, behaviors), behaviors=behaviors,
         bad_frame_policy=BadFramePolicy(values['bad_frame_policy']),
         costmaps=costmaps, plan_tolerance=plan_tolerance, network=network, durations=read_durations(values, where),
-        failures=read_failures(values, where), buggify=read_buggify(values), battery=read_battery(values),
-        laser=read_laser(values, where), drive=read_drive(values, where),
+        failures=read_failures(values, where, _stuck_law(values, where)), buggify=read_buggify(values),
+        battery=read_battery(values), laser=read_laser(values, where), drive=read_drive(values, where),
         values=values, tf_prefix=None if values['tf_prefix'] is None else values['tf_prefix'].strip('/'),
         **_other_names(raw, values, used, where, planner.warnings))
     if values['compatible_with'] is not None:
@@ -221,6 +222,12 @@ def _as_original(settings: RobotSettings, raw: Mapping[str, Any], where: str) ->
                    limits=MotionLimits(settings.limits.max_speed, settings.limits.acceleration),
                    original=OriginalLaw(profile, settings.values['pose_update_freq']),
                    attempts=Attempts() if profile == RASBERRY else None)
+
+
+def _stuck_law(values: Mapping[str, Any], where: str) -> Optional[StuckLaw]:
+    """Return the law of the calibration by which a robot gets stuck; None if it does not get stuck by one."""
+    name = values['calibration']
+    return read_calibration(name, where).stuck if name is not None and values['failure_kind'] == CALIBRATED else None
 
 
 def _calibrated(settings: RobotSettings, raw: Mapping[str, Any], where: str) -> RobotSettings:

@@ -10,15 +10,16 @@ so no robot stands for the same robot again and again.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S, seconds_to_ns
-from ..engine.chance import Chance
+from ..engine.chance import Chance, Purpose
 from ..engine.event_queue import USERS
 from ..goals.events import Encounter, GoalChanged, Meets
 from ..goals.outcome import NO_CONTROL
-from ..motion.encounter_law import CROSSING, HEAD_ON, OVERTAKING, STANDING, EncounterLaw
+from ..motion.encounter_law import CROSSING, HEAD_ON, NO_COST, OVERTAKING, STANDING, EncounterLaw
 from .nearness import closest, distance, first_beyond, first_within, gap, windows
 from .neighbours import Neighbours
 from .track import Track
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
     from ..motion.encounter_law import Cost
+    from ..motion.stuck_law import StuckLaw
     from .nearness import Window
 
 _NEARER = 0.01  # m; two robots that are near already meet only if they come nearer by this
@@ -50,6 +52,8 @@ class Encounters:
     def __init__(self, simulation: Simulation, law: EncounterLaw, seed: int) -> None:
         self.simulation = simulation
         self.law = law
+        #: the same for robots that get stuck by a law of their own: long blocks are robots that touch
+        self._law_unless_stuck = replace(law, long_chance=0.0)
         self.neighbours = Neighbours(law.radius)
         self._seed = seed
         self._robots: Dict[int, Participant] = {}
@@ -57,15 +61,18 @@ class Encounters:
         self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
         self._meet_now: List[Tuple[Participant, Participant]] = []  # those that meet at this instant
 
-    def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream) -> Participant:
+    def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream,
+             failing: Any = None) -> Participant:
         """Add a robot; return its :class:`Participant`. ``law``: the law of encounters of the robot's calibration.
+
+        ``failing`` (Failing): by this it gets stuck beside other robots; None, or without a law for that: it does not.
 
         :raises ConfigurationError: if that law differs from that of the other robots.
         """
         if law != self.law:
             raise ConfigurationError("robot '{}': encounters: its calibration has a different law for them, or none; "
                                      'all robots need the same law'.format(navigator.robot.name))
-        participant = Participant(self, navigator, stream)
+        participant = Participant(self, navigator, stream, failing)
         self._robots[navigator.robot.index] = participant
         stream.tell(Meets(self.simulation.now_ns, participant.name, self.law.radius))
         participant.moved(self.simulation.now_ns)
@@ -118,6 +125,8 @@ class Encounters:
             for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
                 if seconds > 0.0:
                     own.stand(their, seconds, cost.aborts, now_ns)
+            for own, keeps_goal in zip((first, second), cost.keeps):
+                own.failing.get_stuck(now_ns, keeps_goal)
 
     def _cost(self, first: Participant, second: Participant, now_ns: int) -> Cost:
         """Return what it costs two robots that they meet now, and report it."""
@@ -126,8 +135,13 @@ class Encounters:
         chance = self.law.chance(kind, stay.nearest, first.width(second, stay.nearest_ns))
         draws = Chance(self._seed, '{} {}'.format(first.name, second.name))
         place = second.goal_number * _GOALS
-        cost = self.law.draw(chance, yields, lambda purpose, number: draws.uniform(
-            first.goal_number, purpose, place + number), stay.nearest)
+
+        def uniform(purpose: Purpose, number: int) -> float:
+            return draws.uniform(first.goal_number, purpose, place + number)
+        law, keeps = self.law, None
+        if first.stuck_law is not None and first.stuck_law == second.stuck_law:
+            law, keeps = self._law_unless_stuck, first.stuck_law.draw(stay.nearest, uniform)
+        cost = law.draw(chance, yields, uniform, stay.nearest) if keeps is None else NO_COST._replace(keeps=keeps)
         for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
             own.note(their, kind, stay.nearest, seconds, now_ns)
         return cost
@@ -141,14 +155,16 @@ def make_encounters(simulation: Simulation, scenario: Any) -> Optional[Encounter
 class Participant:
     """One robot that may meet others.
 
-    ``track`` (Track): where it is and will be; ``ahead``: {index of another robot: the event of their meeting}.
+    ``track`` (Track): where it is and will be; ``ahead``: {index of another robot: the event of their meeting};
+    ``failing`` (Failing): by this it gets stuck, or None.
     """
 
-    def __init__(self, encounters: Encounters, navigator: Navigator, stream: Stream) -> None:
+    def __init__(self, encounters: Encounters, navigator: Navigator, stream: Stream, failing: Any) -> None:
         self.index: int = navigator.robot.index
         self.name: str = navigator.robot.name
         self.ahead: Dict[int, Any] = {}
         self.track: Any = None
+        self.failing = failing
         self._encounters = encounters
         self._navigator = navigator
         self._stream = stream
@@ -161,6 +177,12 @@ class Participant:
     def goal_number(self) -> int:
         """The number of goals on which the robot has begun to work."""
         return self._navigator.goal_number
+
+    @property
+    def stuck_law(self) -> Optional[StuckLaw]:
+        """The law by which the robot gets stuck beside others; None: it does not."""
+        law: Optional[StuckLaw] = None if self.failing is None else self.failing.law
+        return law
 
     def moved(self, now_ns: int) -> None:
         """Note that the robot has departed, or stands."""

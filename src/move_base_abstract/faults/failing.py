@@ -16,7 +16,7 @@ from ..engine.chance import Purpose
 from ..engine.instants import first_ns
 from ..goals.events import Failed, GoalChanged, Repaired
 from ..goals.outcome import FAILED
-from .failures import ABORT, CLEARANCE, GOAL, HOUR, KM, SCRIPT, SILENT, STUCK, Failures
+from .failures import ABORT, CLEARANCE, ENCOUNTER, GOAL, HOUR, KM, SCRIPT, SILENT, STALL, STUCK, Failures
 from .stuck import GivingUp, Sticking
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..engine.simulation import Simulation
     from ..engine.stream import Stream
     from ..goals.navigator import Navigator
+    from ..motion.stuck_law import StuckLaw
 
 _PURPOSES = {HOUR: Purpose.FAILURE_HOURS, KM: Purpose.FAILURE_KM, GOAL: Purpose.FAILURE_GOALS}
 #: how many units of an exposure are one unit of its rate: ns in an hour, m in a km, goals
@@ -101,6 +102,18 @@ class Failing:
             self._pause(now_ns)
             self._stream.tell(Failed(now_ns, self._robot.name, kind, cause))
         return True
+
+    def get_stuck(self, now_ns: int, keeps_goal: bool) -> bool:
+        """Get stuck beside another robot at ``now_ns`` [ns]; return whether the robot has failed.
+
+        ``keeps_goal``: whether it keeps each goal and stands, instead of giving it up.
+        """
+        return self.fail(ENCOUNTER, now_ns, STALL if keeps_goal else STUCK)
+
+    @property
+    def law(self) -> Optional[StuckLaw]:
+        """The law by which robots that meet get stuck; None: they do not."""
+        return self._failures.law
 
     def _repaired_at(self, now_ns: int, repair: Optional[float]) -> Optional[int]:
         if repair is None:

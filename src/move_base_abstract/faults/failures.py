@@ -2,18 +2,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..common.kinds import Pairs, ascending_pairs, error, number, one_of
 from ..common.parameter_table import Parameter, checked, place_of
 from ..common.units import seconds_to_ns
-from ..engine.factors import Constant, Lognormal
+from ..engine.factors import Constant, Gamma, Lognormal
+
+if TYPE_CHECKING:
+    from ..motion.stuck_law import StuckLaw
 
 ABORT, STALL, SILENT, STUCK = KINDS = ('abort', 'stall', 'silent', 'stuck')
 #: the causes of failures
-HOUR, KM, GOAL, CLEARANCE, SCRIPT, REQUEST = 'hour', 'km', 'goal', 'clearance', 'script', 'request'
+HOUR, KM, GOAL, CLEARANCE, ENCOUNTER, SCRIPT, REQUEST = (
+    'hour', 'km', 'goal', 'clearance', 'encounter', 'script', 'request')
+#: as STUCK, by the law of the robot's calibration
+CALIBRATED = 'calibrated'
 _NEVER = 'never'
 _MOST_SECONDS = 1e9
+_PATIENCE = 6.4  # s; the usual patience of a robot that is stuck
 _SECONDS = number(0.0, _MOST_SECONDS, unit='s, simulated')
 _KIND = one_of(*KINDS)
 _KINDS_TEXT = "'abort', 'stall', 'silent' or 'stuck'"
@@ -45,8 +52,9 @@ def _scripted(entry: Union[Dict[str, Any], float]) -> Scripted:
 
 
 TABLE = (
-    Parameter('failure_kind', 'none', one_of('none', *KINDS),
-              'Behaviour of a robot that has failed; `none`: it never fails.'),
+    Parameter('failure_kind', 'none', one_of('none', *KINDS, CALIBRATED),
+              'Behaviour of a robot that has failed; `none`: it never fails; `calibrated`: it gets stuck as its '
+              'calibration says.'),
     Parameter('failures_per_hour', 0.0, number(0.0, 3600.0, unit='1/h'),
               'Mean number of failures in an hour in which the robot has a goal and has not failed.'),
     Parameter('failures_per_km', 0.0, number(0.0, 1e6, unit='1/km'), 'Mean number of failures in a kilometre driven.'),
@@ -59,14 +67,15 @@ TABLE = (
               'Mean time until a failed robot is repaired.', 'a number in 0..1e9 [s, simulated]'),
     Parameter('repair_distribution', None, one_of('fixed', 'lognormal', _NEVER),
               'Distribution of that time; `never`: until you repair the robot. If it is not set, `fixed` counts; with '
-              '`stuck`, `never` does.'),
+              '`stuck`, `never` does; with `calibrated`, that of the calibration.'),
     Parameter('repair_cv', 0.0, number(0.0, 10.0),
               'Coefficient of variation of the time (standard deviation / mean), with `lognormal` only.'),
     Parameter('stuck_by_clearance', (), _BY_CLEARANCE,
               "With `stuck` and a map: the chance to get stuck on the way to a goal, by the way's least clearance.",
               'a list of [clearance in 0..100 [m], chance in 0..1], the clearances ascending'),
-    Parameter('stuck_patience', 6.4, _SECONDS,
-              'Time for which a robot that is stuck tries before it gives the goal up.',
+    Parameter('stuck_patience', None, _SECONDS,
+              'Time for which a robot that is stuck tries before it gives the goal up. If it is not set, '
+              f'{_PATIENCE} s counts; with `calibrated`, that of the calibration.',
               'a number in 0..1e9 [s, simulated]'),
 )
 _REQUESTED_KIND = Parameter('kind', None, _KIND)
@@ -81,7 +90,8 @@ class Failures:
     ``kind``: one of KINDS; ``rates``: ((cause, rate), ...), each > 0, in 1/h with a goal, 1/km, or per goal;
     ``script``: (:class:`Scripted`, ...) in the order of time; ``repair``: the distribution of the time to a repair [s],
     one of :mod:`.factors`, None: there is no repair; ``by_clearance``: ((clearance of the way [m], chance to get
-    stuck), ...); ``patience`` [s]: the time after which a robot that is stuck gives up a goal.
+    stuck), ...); ``patience`` [s]: the time after which a robot that is stuck gives up a goal; ``law``: that of the
+    calibration by which robots that meet get stuck, None: they do not.
     """
 
     kind: str
@@ -89,7 +99,8 @@ class Failures:
     script: Tuple[Scripted, ...] = ()
     repair: Any = Constant(60.0)
     by_clearance: Pairs = ()
-    patience: float = 6.4
+    patience: float = _PATIENCE
+    law: Optional[StuckLaw] = None
 
 
 def check_request(kind: Optional[str], repair: Optional[float], where: str) -> None:
@@ -104,8 +115,10 @@ def check_request(kind: Optional[str], repair: Optional[float], where: str) -> N
             checked(value, key, parameter, where)
 
 
-def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
+def read_failures(values: Mapping[str, Any], where: str, law: Optional[StuckLaw] = None) -> Optional[Failures]:
     """Return the :class:`Failures` in ``values`` (of :data:`TABLE`), None for a robot that never fails.
+
+    ``law``: that of the robot's calibration, for ``failure_kind: calibrated``; what ``values`` say comes first.
 
     :raises ConfigurationError: for values that do not fit together; ``where``: the namespace of the parameters.
     """
@@ -115,15 +128,28 @@ def read_failures(values: Mapping[str, Any], where: str) -> Optional[Failures]:
             if values[key]:
                 raise error(place_of(where, 'failure_kind'), kind, _KINDS_TEXT, f' with {key}')
         return None
+    if kind != CALIBRATED:
+        law = None
+    elif law is None:
+        raise error(place_of(where, 'failure_kind'), kind, f'{_KINDS_TEXT}, or this with a calibration that has a '
+                    'section stuck')
+    else:
+        kind = STUCK
     by_clearance = values['stuck_by_clearance']
     if by_clearance and not (kind == STUCK and values['use_map']):
         raise error(place_of(where, 'stuck_by_clearance'), by_clearance, 'with stuck and true only',
                     f' with failure_kind: {kind} and use_map: {str(values["use_map"]).lower()}')
-    distribution = values['repair_distribution'] or (_NEVER if kind == STUCK else 'fixed')
+    distribution = values['repair_distribution'] or (CALIBRATED if law else _NEVER if kind == STUCK else 'fixed')
     if (distribution == 'lognormal') != (cv > 0.0):
         raise error(place_of(where, 'repair_cv'), cv, '> 0 with lognormal, otherwise 0',
                     f' with repair_distribution: {distribution}')
-    mean = values['repair_time']
-    repair = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
+    mean, patience = values['repair_time'], values['stuck_patience']
+    repair: Any = None if distribution == _NEVER else Lognormal(mean, cv) if cv else Constant(mean)
+    if law is not None:
+        by_clearance = by_clearance or law.by_clearance
+        patience = law.patience if patience is None else patience
+        if distribution == CALIBRATED:
+            repair = None if law.free_mean is None else Gamma(law.free_mean, 1.0)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])
-    return Failures(kind, rates, values['failure_times'], repair, by_clearance, values['stuck_patience'])
+    return Failures(kind, rates, values['failure_times'], repair, by_clearance,
+                    _PATIENCE if patience is None else patience, law)

@@ -88,7 +88,7 @@ def make_robot_parts(settings: RobotSettings, name: str, index: int, simulation:
     battery = None
     if settings.battery is not None:
         battery = Battery(settings.battery, robot, navigator, simulation, tuple(zones), stream)
-    meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream)
+    meeting = None if encounters is None else encounters.join(navigator, settings.encounters, stream, failing)
     return RobotParts(robot, frames, ledger, navigator, Condition(navigator, failing, battery, (meeting, buggifying)),
                       driver)
 

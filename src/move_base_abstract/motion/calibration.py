@@ -21,12 +21,13 @@ from .durations import FAILURES, FAILURES_ALLOWED
 from .encounter_law import EncounterLaw, make_encounter_law
 from .leg import MotionLimits, Tolerances
 from .recorded_range import Recorded, read_intervals, read_recorded
+from .stuck_law import StuckLaw, make_stuck_law
 
 if TYPE_CHECKING:
     from .phased_route import PhasedRoute
 
 FORMAT = 1
-ENCOUNTERS = 'encounters'  # an optional section of a calibration
+ENCOUNTERS, STUCK = 'encounters', 'stuck'  # optional sections of a calibration
 _NAME = re.compile(r'[A-Za-z0-9_]+')
 _NORMAL = NormalDist()
 _LEAST_FACTOR = 0.5  # a leg takes at least this share of the duration by its phases
@@ -166,7 +167,7 @@ class Calibration:
     """The limits, tolerances and phases of a robot, and how the durations of its goals differ from them.
 
     ``source``: a line of text that says where this comes from; ``encounters``: what it costs the robot to meet another
-    robot, None: the calibration does not say.
+    robot; ``stuck``: how it gets stuck. None: the calibration does not say.
     """
 
     source: str
@@ -175,6 +176,7 @@ class Calibration:
     phases: MotionPhases
     durations: CalibratedDurations
     encounters: Optional[EncounterLaw] = None
+    stuck: Optional[StuckLaw] = None
 
 
 def calibration_file(name: str, where: str) -> str:
@@ -211,7 +213,7 @@ def make_calibration(raw: Mapping[str, Union[float, str]], where: str) -> Calibr
     """
     if not isinstance(raw, dict) or raw.get('format') != FORMAT:
         raise error(where, raw, f'a calibration with format: {FORMAT}')
-    values = read_mapping({key: value for key, value in raw.items() if key not in ('format', ENCOUNTERS)},
+    values = read_mapping({key: value for key, value in raw.items() if key not in ('format', ENCOUNTERS, STUCK)},
                           TABLE + SECTIONS, where, [parameter.name for parameter in TABLE])
     recorded = values['recorded'] and values['recorded']._replace(tolerance=values['xy_goal_tolerance'])
     return Calibration(
@@ -223,7 +225,8 @@ def make_calibration(raw: Mapping[str, Union[float, str]], where: str) -> Calibr
         CalibratedDurations(values['start_delay'], values['spread'], values['delay_share'], values['tail_rate'],
                             values['tail_chance_by_turn'], Gamma(values['tail_mean'], values['tail_cv']),
                             values['failure_by_length'], recorded, values['tail_motion'], values['tail_most']),
-        make_encounter_law(raw[ENCOUNTERS], where) if ENCOUNTERS in raw else None)
+        make_encounter_law(raw[ENCOUNTERS], where) if ENCOUNTERS in raw else None,
+        make_stuck_law(raw[STUCK], where) if STUCK in raw else None)
 
 
 @lru_cache(maxsize=1)

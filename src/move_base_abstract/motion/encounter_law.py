@@ -47,11 +47,12 @@ class Cost(NamedTuple):
     """What an encounter costs the two robots.
 
     ``seconds``: the time that each of them stands [s], 0 = not at all; ``aborts``: whether those that stand then give
-    up their goals.
+    up their goals; ``keeps``: if both get stuck, whether each keeps its goal.
     """
 
     seconds: Tuple[float, float]
     aborts: bool
+    keeps: Tuple[bool, ...] = ()
 
 
 NO_COST = Cost((0.0, 0.0), False)
