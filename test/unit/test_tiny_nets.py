@@ -42,7 +42,8 @@ def is_solved(fleet):
         entry.values[1] for entry in fleet.trace if entry.kind == 'ended'] == ['SUCCEEDED'] * len(fleet.robots)
 
 
-@pytest.mark.parametrize('seed', range(times(50, 2000)))
+# 369 and 1155: robots that turn round at the end of the lane on which the search finds them
+@pytest.mark.parametrize('seed', [*range(times(50, 2000)), *times([369, 1155], [])])
 def test_all_robots_arrive_where_there_is_a_way_and_it_is_said_at_once_where_there_is_none(seed, tmp_path):
     one = instance(seed)
     fleet, wrong = run(one, tmp_path)

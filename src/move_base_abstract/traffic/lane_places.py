@@ -76,9 +76,14 @@ class LanePlaces:
         """Return both nodes of an edge."""
         return self._lanes.edges[edge].begin, self._lanes.edges[edge].end
 
-    def before_turn(self, begin: Point, nodes: Sequence[str]) -> Sequence[str]:
-        """Return the first of ``nodes``, up to the one at which a robot turns round on the lane by which it came."""
-        whole = [self.node_at(*begin), *nodes]
+    def before_turn(self, begin: Point, edge: Optional[int], nodes: Sequence[str]) -> Sequence[str]:
+        """Return the first of ``nodes``, up to the one at which a robot turns round on the lane by which it came.
+
+        It drives from ``begin`` (x, y) [m], on the edge with the index ``edge``, or at a node.
+        """
+        before = self.node_at(*begin) if edge is None else next(
+            (end for end in self.all_ends_of(edge) if end != nodes[0]), None)
+        whole = [before, *nodes]
         end = next((number for number in range(1, len(nodes)) if whole[number - 1] == whole[number + 1]), len(nodes))
         return nodes[:end]
 

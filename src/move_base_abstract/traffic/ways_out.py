@@ -134,7 +134,7 @@ class WaysOut:
         pose = traveller.navigator.robot.pose_at(now_ns)
         places = self._places_of(traveller)
         edge = None if places.node_at(pose.x, pose.y) else places.edge_at(pose.x, pose.y, traveller.held)
-        turns = places.before_turn((pose.x, pose.y), left)
+        turns = places.before_turn((pose.x, pose.y), edge, left)
         is_whole = len(turns) == len(left)
         return places.way((pose.x, pose.y), edge, turns), is_whole and moves.ends_at_goal(traveller)
 
