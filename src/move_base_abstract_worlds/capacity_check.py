@@ -20,6 +20,7 @@ import networkx
 from move_base_abstract.maps.lane_map import NEAR
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.traffic.area import Area
+from move_base_abstract.traffic.lane_places import LanePlaces
 from move_base_abstract.traffic.nodes import NodeAreas
 from move_base_abstract.traffic.outline import BORDER
 from move_base_abstract.traffic.rules import DeadlockPolicy
@@ -30,6 +31,7 @@ from .findings import Finding
 from .ways import MOST_WAYS, leg_between, too_many
 
 if TYPE_CHECKING:
+    from move_base_abstract.maps.lane_map import LaneMap
     from move_base_abstract.traffic.way import Crossing
 
     from .world import Drivers, World
@@ -120,6 +122,11 @@ class Areas:
             self._groups[name] = self._add(Area('group', name, self._rules.groups.get(name, 1)),
                                            '{}: groups'.format(self._file), line)
         return self._groups[name]
+
+    def lane_places(self, net: LaneMap) -> LanePlaces:
+        """Return the nodes of a net as places of robots."""
+        return LanePlaces(net, self._index, self._places[net.source],
+                          lambda edge: self._lanes.get((net.source, edge)))
 
     def touch(self) -> bool:
         """Return whether any two areas may touch. If none do, no robot comes from one into another.

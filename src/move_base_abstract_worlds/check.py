@@ -9,6 +9,7 @@ from .charge_check import check_charge
 from .findings import Finding, in_order
 from .ground_check import check_ground
 from .net_check import check_net
+from .passing_check import check_passing
 from .ways import MOST_WAYS, leg_between, too_many
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def _of_target(drivers: Drivers, recorded: Recorded, begins: Sequence[Tuple[str,
                       'take predictions of these with care, or calibrate with recordings of such ways', (target.xy,))
 
 
-_CHECKS = (check_ground, check_net, check_charge, check_capacities, check_range)
+_CHECKS = (check_ground, check_net, check_charge, check_capacities, check_passing, check_range)
 
 
 def findings_of(world: World) -> List[Finding]:

@@ -14,6 +14,8 @@ KINDS = (
     ('unreachable', 'places that no robot, or not every robot, can reach'),
     ('out_of_charge', 'chargers and charge'),
     ('can_lock', 'capacities that can lock'),
+    ('bars_ways', 'places where a robot that stands bars the ways of others'),
+    ('cannot_pass', 'robots that cannot pass each other'),
     ('beyond_calibration', 'goals beyond what a calibration was fitted to'),
     ('not_checked', 'what could not be checked'),
 )
