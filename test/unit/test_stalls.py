@@ -320,6 +320,18 @@ def test_another_map_counts_from_its_instant_on():
     assert fleet.robot('a').pose.x == pytest.approx(60 * ROOM.resolution - 0.3, abs=2.0 * REACH)
 
 
+def test_a_stalled_robot_goes_on_when_the_wall_is_no_longer_there():
+    fleet = fleet_of(('a', 3.0, 5.0, 0.0), occupancy=room(*((row, 60) for row in range(100))))
+    fleet.robot('a').drive(0.5)
+    fleet.run(10 * S)
+    fleet.use_map(room(*((row, 60) for row in range(100))))
+    fleet.run(11 * S)
+    assert len(rows(fleet, 'driven')) == 1
+    fleet.use_map(ROOM)
+    fleet.run(30 * S)
+    assert fleet.robot('a').pose.x == pytest.approx(WALL - 0.3, abs=2.0 * REACH)
+
+
 def test_without_a_map_and_with_use_map_false_nothing_but_robots_stops_one():
     for fleet in (fleet_of(('a', 8.0, 5.0, 0.0), occupancy=None), fleet_of(('a', 8.0, 5.0, 0.0), use_map=False)):
         fleet.robot('a').drive(0.5)

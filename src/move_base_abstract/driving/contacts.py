@@ -117,6 +117,7 @@ class Body:
             from .walls import Walls  # imported here, since only robots with a map need numpy
             self._walls = Walls(occupancy, self.shape)
         self._contacts.look(self, now_ns)
+        self.driver.retry(now_ns)
 
     def leave(self) -> None:
         """Note that the robot is removed."""
