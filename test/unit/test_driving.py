@@ -263,6 +263,15 @@ def test_a_robot_that_is_put_elsewhere_drives_on_and_one_that_is_reset_stands():
     assert fleet.robot('r').pose == Pose2D()
 
 
+def test_a_command_that_waits_while_its_robot_is_removed_is_lost():
+    fleet = fleet_of(cmd_vel_timeout=0.0)
+    driver = fleet.robot('r')._driver
+    fleet.remove('r')
+    driver.command(1.0, 0.0, 0.0, fleet.now_ns)  # as one in ROS that has waited for the lock
+    fleet.run(100 * S)
+    assert rows(fleet, 'driven') == []
+
+
 class Wall:
     """A body that is blocked while ``is_there``."""
 

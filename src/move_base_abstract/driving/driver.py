@@ -36,6 +36,7 @@ class Driver:
         self.settings = settings
         self.robot = navigator.robot
         self.is_stalled = False
+        self._is_removed = False
         #: what keeps the robot from driving through walls and other robots (a Body of :mod:`.contacts`), or None
         self.body: Any = None
         self._navigator = navigator
@@ -58,7 +59,7 @@ class Driver:
         if not all(abs(one) <= _MOST for one in twist):  # NaN, too
             raise ValueError(f'a velocity must be finite and within +-1e6 m/s and rad/s, got {forward!r} m/s ahead, '
                              f'{lateral!r} m/s sideways, {turning!r} rad/s')
-        if self._navigator.must_stand:
+        if self._navigator.must_stand or self._is_removed:
             return
         if not self.settings.holonomic:
             twist = twist._replace(lateral=0.0)
@@ -96,7 +97,8 @@ class Driver:
             self.body.use_map(occupancy, now_ns)
 
     def close(self) -> None:
-        """Note that the robot, whose navigator is closed, is removed."""
+        """Note that the robot, whose navigator is closed, is removed. A command that comes late is lost."""
+        self._is_removed = True
         if self.body is not None:
             self.body.leave()
 
