@@ -25,12 +25,12 @@ MODEL = """<robot xmlns:xacro="x"> <!-- <plugin name="a" filename="libgazebo_ros
     <odometryTopic>odom</odometryTopic><robotBaseFrame>chassis</robotBaseFrame><updateRate>{rate}</updateRate>
     <odometrySource>encoder</odometrySource></plugin>
     <plugin name="p" filename="libgazebo_ros_p3d.so"><topicName>ground_truth/state</topicName></plugin></gazebo>
-  <xacro:property name="half" value="0.25"/><link name="base_link"><visual><geometry><box size="9 9 9"/>
+  <xacro:property name="half" value="0.25"/><link name='base_link'><visual><geometry><box size="9 9 9"/>
   </geometry></visual>
   <collision><geometry><cylinder length="1" radius="${half}"/></geometry></collision></link>
   <xacro:property name="r" value="0.35"/><xacro:eye/></robot>"""
 LASER = """<robot><xacro:macro name="eye" params="r"><joint name="j" type="fixed"><parent link="chassis"/>
-    <child link="eye_link"/><origin xyz="0.2 0 ${r}" rpy="0 0 1.57"/></joint>
+    <child link="eye_link"/><axis xyz="0 1 0"/><origin xyz="0.2 0 ${r}" rpy="0 0 1.57"/></joint>
   <gazebo reference="eye_link"><sensor type="gpu_ray" name="s"><update_rate>40</update_rate><ray><scan><horizontal>
     <samples>720</samples><min_angle>-1.5</min_angle><max_angle>1.5</max_angle></horizontal></scan>
     <range><min>0.1</min><max>8.0</max></range></ray><plugin name="l" filename="libgazebo_ros_gpu_laser.so">
