@@ -112,15 +112,19 @@ def distributions(real, simulated):
 def told_apart_if_right(real, simulated, chance):
     """Return the share of cells that the KS test would reject if each real cell were one of the simulated missions.
 
-    The real missions of a cell are repetitions of one mission, so they differ less than simulated ones. They are put
-    around a simulated makespan, with the differences that they have. Only missions that ended count.
+    The real missions of a cell are repetitions of one mission, so they may differ less than simulated ones. Here they
+    lie around a simulated makespan, and differ from each other as they do (at most as simulated ones), so that in all
+    they vary as simulated ones. Only missions that ended count.
     """
     rejected = []
     for key, own in real[real.ended == 1].groupby(KEYS + ['tasks']):
         same = [simulated[name] == value for name, value in zip(KEYS + ['tasks'], key)]
         seeds = simulated[np.logical_and.reduce(same) & (simulated.ended == 1)].mission_s.to_numpy()
-        apart = own.mission_s.to_numpy() - own.mission_s.mean()
-        rejected.append(np.mean([ks_2samp(chance.choice(seeds) + apart, seeds).pvalue < 0.05 for _ in range(PLACES)]))
+        times, count = own.mission_s.to_numpy(), len(own)
+        share = min(1.0, np.var(times, ddof=1) / np.var(seeds)) if count > 1 else 0.0
+        apart = (times - times.mean()) * (np.sqrt(share * np.var(seeds) / np.var(times, ddof=1)) if share else 0.0)
+        middles = seeds.mean() + (seeds - seeds.mean()) * np.sqrt(1.0 - share * (1.0 - 1.0 / count))
+        rejected.append(np.mean([ks_2samp(chance.choice(middles) + apart, seeds).pvalue < 0.05 for _ in range(PLACES)]))
     return np.mean(rejected)
 
 

@@ -116,3 +116,14 @@ def test_halves_of_noise_do_not_agree():
     srcc, tau = compare_rankings.ceiling(noise, np.random.default_rng(0))
     assert abs(srcc) < 0.5 and abs(tau) < 0.4
     assert compare_rankings.ceiling(missions(2.0), np.random.default_rng(0))[0] > 0.98
+
+
+@pytest.mark.parametrize('spread, low, high', [(100.0, 0.0, 0.15), (1.0, 0.4, 0.8)])
+def test_a_right_simulator_is_told_apart_if_repetitions_differ_less_than_seeds(spread, low, high):
+    chance = np.random.default_rng(2)
+    cell = {'map': 'a', 'robots': 2, 'policy': 'p', 'tasks': 1, 'ended': 1}
+    real, simulated = (pd.DataFrame([{**cell, 'mission_s': 500.0 + width * chance.normal()} for _ in range(count)])
+                       for count, width in ((4, spread), (200, 100.0)))
+    simulated.loc[0] = {**cell, 'ended': 0, 'mission_s': 1e9}
+    found = np.mean([compare_rankings.told_apart_if_right(real, simulated, chance) for _ in range(5)])
+    assert low <= found <= high
