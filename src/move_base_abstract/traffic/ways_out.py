@@ -133,7 +133,7 @@ class WaysOut:
             return None
         pose = traveller.navigator.robot.pose_at(now_ns)
         places = self._places_of(traveller)
-        edge = None if places.node_at(pose.x, pose.y) else places.edge_at(pose.x, pose.y, traveller.held)
+        edge = None if self.is_at_node(traveller, now_ns) else places.edge_at(pose.x, pose.y, traveller.held)
         turns = places.before_turn((pose.x, pose.y), edge, left)
         is_whole = len(turns) == len(left)
         return places.way((pose.x, pose.y), edge, turns), is_whole and moves.ends_at_goal(traveller)
@@ -165,7 +165,7 @@ class WaysOut:
         """Return the nodes to which a robot still has to drive, of those to which its moves lead."""
         assert self._moves is not None
         pose, places = traveller.navigator.robot.pose_at(now_ns), self._places_of(traveller)
-        node = places.node_at(pose.x, pose.y)
+        node = places.node_at(pose.x, pose.y) if self.is_at_node(traveller, now_ns) else None
         edge = None if node else places.edge_at(pose.x, pose.y, traveller.held)
         return self._moves.left(traveller, node, () if edge is None else places.all_ends_of(edge))
 
