@@ -36,6 +36,16 @@ def needs_and_keeps(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[
     return tuple(needs), tuple(holds)
 
 
+def is_in_the_way(travellers: Iterable[Traveller]) -> bool:
+    """Return whether any robot stands, or will stand at the end of its way, where another one has to come."""
+    travellers = list(travellers)
+    needed: Dict[Area, int] = {}
+    for one in travellers:
+        _count(needed, one.needs)
+    return any(area.capacity is not None and needed.get(area, 0) > (area in one.needs)
+               for one in travellers for area in (one.held if one.keeps is None else one.keeps))
+
+
 def cannot_stay(travellers: Iterable[Traveller], taker: Optional[Traveller] = None,
                 takes: Tuple[Area, ...] = ()) -> List[Traveller]:
     """Return the robots left over when one after the other comes to the end of its way and stays there.
@@ -43,6 +53,11 @@ def cannot_stay(travellers: Iterable[Traveller], taker: Optional[Traveller] = No
     A robot comes there only if it is then in the way of none that is left. Robots without a goal stay where they are.
     ``taker`` holds ``takes``, too. If the result is empty, there is such an order; the opposite need not be true.
     """
+    travellers = list(travellers)
+    if taker is None and not is_in_the_way(travellers):
+        busy = [one for one in travellers if one.needs]
+        able = _able(busy)
+        return [one for one in busy if one not in able]
     counts: Dict[Area, int] = {}
     staying: Dict[Area, int] = {}
     needed: Dict[Area, int] = {}
@@ -102,7 +117,7 @@ class SafeStates:
 
     def __init__(self, travellers: Iterable[Traveller], may_stay: bool = False) -> None:
         self.travellers = list(travellers)
-        self._may_stay = may_stay
+        self._may_stay = may_stay and is_in_the_way(self.travellers)  # otherwise all that are able can stay
         self._busy = [traveller for traveller in self.travellers if traveller.needs]
         self._before: Optional[Dict[Traveller, bool]] = None
 
