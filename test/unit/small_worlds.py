@@ -59,3 +59,31 @@ class SmallWorld:
             send(robot['name'])
         fleet.run(until=until)
         return fleet
+
+
+class LargeWorld(SmallWorld):
+    """A grid of up to 25 nodes, some lanes of it in three groups, and 12 to 28 robots with six goals each."""
+
+    def __init__(self, seed, folder):
+        dice = random.Random(seed)
+        width, height = dice.choice([(4, 4), (5, 4), (5, 5), (6, 3)])
+        nodes = {(x, y): ('n{}_{}'.format(x, y), 10.0 * x + dice.random(), 10.0 * y + dice.random())
+                 for x in range(width) for y in range(height)}
+        edges = []
+        for x, y in nodes:
+            for other in ((x + 1, y), (x, y + 1)):
+                if other in nodes and dice.random() < 0.85:
+                    edges.append({'from': nodes[x, y][0], 'to': nodes[other][0], 'capacity': dice.choice([1, 1, 1, 2])})
+                    if dice.random() < 0.3:
+                        edges[-1]['group'] = dice.choice('ghk')
+        path = folder / 'net.yaml'
+        path.write_text(json.dumps({'nodes': [{'name': name, 'x': x, 'y': y} for name, x, y in nodes.values()],
+                                    'edges': edges}))
+        places = [(x, y) for _, x, y in nodes.values()]
+        starts = [dice.choice(places) for _ in range(dice.randint(12, 28))]
+        self.robots = [{'name': 'r{}'.format(number), 'start_x': x, 'start_y': y, 'priority': dice.choice([0, 0, 1]),
+                        'max_speed': 0.5 + dice.random()} for number, (x, y) in enumerate(starts)]
+        self.goals = {robot['name']: [dice.choice(places) for _ in range(6)] for robot in self.robots}
+        self.raw = {'lanes': str(path), 'defaults': {'routes': 'lanes'}, 'deadlock': 'retreat',
+                    'blocks': dice.choice([1, 1, 2, 3]),
+                    'groups': {'g': dice.choice([1, 2, 3]), 'h': dice.choice([2, 3]), 'k': 4}}

@@ -2,13 +2,15 @@
 
 Each robot knows its way, and so the areas into which it must still come before it holds no place any more: at its goal,
 or at a point outside all areas. A robot is *able* to reach that point if there is a place for it in all these areas, or
-if there would be one after other able robots have reached theirs. This is Dijkstra's banker's algorithm; for robots see
-Reveliotis, "Real-time management of resource allocation systems", 2005. A place is given only if all robots that were
-able still are. While all robots are able, at least one may always go on: one that reaches its goal without the others.
+if there would be one after other able robots have reached theirs. Queues count: it is not able before those that come
+before it in a queue on its way. This is Dijkstra's banker's algorithm; for robots see Reveliotis, "Real-time management
+of resource allocation systems", 2005. A place is given only if all robots that were able still are, and to a robot that
+holds none only if it is able. While all robots are able, at least one may always go on: one that reaches its goal
+without the others.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple
 
 if TYPE_CHECKING:
     from .area import Area, Request
@@ -119,6 +121,8 @@ class SafeStates:
         self.travellers = list(travellers)
         self._may_stay = may_stay and is_in_the_way(self.travellers)  # otherwise all that are able can stay
         self._busy = [traveller for traveller in self.travellers if traveller.needs]
+        waits = any(one.request is not None and not one.is_careful for one in self._busy)
+        self._behind = {one: _before(one) for one in self._busy} if waits else {}
         self._before: Optional[Dict[Traveller, bool]] = None
 
     def allows_request(self, request: Request) -> bool:
@@ -147,12 +151,12 @@ class SafeStates:
     def _leaves_all_able(self, taker: Traveller, takes: Tuple[Area, ...], request: Optional[Request]) -> bool:
         if all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs):
             return True  # it reaches its goal without the others
-        after = _able(self._busy, taker, takes)
+        after = _able(self._busy, self._behind, taker, takes)
         if taker in after:
             return True
         before = self._able_before()
-        if taker not in before:
-            return all(traveller in after for traveller in before)
+        if taker not in before:  # it cannot leave what it would come into; if it is in the way, it goes on nevertheless
+            return bool(taker.held) and all(traveller in after for traveller in before)
         if request is not None:
             request.cut_off = tuple((one, one.needs, tuple(one.held)) for one in self._busy if one not in after)
         return False
@@ -165,21 +169,31 @@ class SafeStates:
         taker = request.traveller
         if self.allows_request(request):
             return ()
-        after = _able(self._busy, taker, request.areas)
+        after = _able(self._busy, self._behind, taker, request.areas)
         return tuple(one for one in self._busy if one.held and one is not taker and one not in after)
 
     def _able_before(self) -> Dict[Traveller, bool]:
         if self._before is None:
-            self._before = _able(self._busy)
+            self._before = _able(self._busy, self._behind)
         return self._before
 
 
-def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
+def _before(traveller: Traveller) -> List[Traveller]:
+    """Return the robots that come before ``traveller`` in the queues where it waits, or will ask on its way."""
+    own = traveller.wants
+    return [one.traveller for area in traveller.needs for one in area.queue
+            if not one.traveller.is_careful and one.traveller is not traveller
+            and (one < own if own in area.queue else one.traveller.priority >= traveller.priority)
+            and not (area.group in traveller.held and area.group in one.areas)]
+
+
+def _able(busy: Sequence[Traveller], behind: Dict[Traveller, List[Traveller]], wanted: Optional[Traveller] = None,
           takes: Tuple[Area, ...] = ()) -> Dict[Traveller, bool]:
     """Return {Traveller: True} of the ``busy`` robots that are able if ``wanted`` holds ``takes``, too.
 
-    The search ends when ``wanted`` is found to be able. Otherwise the result does not depend on the order of the
-    search.
+    A robot gets no place before those ``behind`` which it is or will be in a queue ({Traveller: [Traveller, ...]}),
+    even if one is free. The search ends when ``wanted`` is found to be able. Otherwise the result does not depend on
+    the order of the search.
     """
     counts: Dict[Area, int] = {}  # the number of robots that hold a place and have not yet been found able
     for one in busy:
@@ -188,20 +202,21 @@ def _able(busy: Sequence[Traveller], wanted: Optional[Traveller] = None,
     for area in takes:
         counts[area] = counts.get(area, 0) + 1
     able: Dict[Traveller, bool] = {}
-    stopped: Dict[Area, List[Traveller]] = {}  # robots by the first area in which there is no place for them
+    stopped: Dict[Any, List[Traveller]] = {}  # robots by the first robot before them, or area without a place
     open_ = list(reversed(busy))
     while open_:
         one = open_.pop()
         held, taken = one.held, takes if one is wanted else ()
-        full = None
-        for area in one.needs:
+        by: Any = next((other for other in behind.get(one, ()) if other not in able), None)
+        for area in one.needs if by is None else ():
             if area.capacity is not None and counts.get(area, 0) >= area.capacity + (area in held or area in taken):
-                full = area
+                by = area
                 break
-        if full is not None:
-            stopped.setdefault(full, []).append(one)
+        if by is not None:
+            stopped.setdefault(by, []).append(one)
             continue
         able[one] = True
+        open_ += stopped.pop(one, ())
         if one is wanted:
             break
         for area in one.held:
