@@ -65,7 +65,7 @@ class Traffic:
         self._dirty: List[Area] = []  # areas in which a place may have become free, in that order
         self._is_due = False  # whether it will be decided at the end of this instant who goes on
         self._is_told = True
-        self._travellers: Dict[Traveller, bool] = {}  # in the order in which they came
+        self._travellers: Dict[Traveller, bool] = {}  # in the order of their names
         self._asking: List[Request] = []  # what robots have asked for at this instant
         self._new: List[Request] = []  # those of them for which there was no place so far
         self._to_look_at: Dict[Traveller, bool] = {}  # robots that may close a circle, or may give way in theirs now
@@ -104,8 +104,8 @@ class Traffic:
         if self.rules.lane_price and isinstance(network, LaneMap):
             self._put_zones_on(network)
         traveller = Traveller(self, navigator, network if isinstance(network, LaneMap) else None, stream, priority)
-        self._travellers[traveller] = True
-        for place, one in enumerate(sorted(self._travellers, key=lambda one: one.rank)):
+        self._travellers = dict.fromkeys(sorted([*self._travellers, traveller], key=lambda one: one.rank), True)
+        for place, one in enumerate(self._travellers):
             one.place = place
         traveller.placed(self.simulation.now_ns)
         return traveller
@@ -154,7 +154,7 @@ class Traffic:
             motion of a robot allows no limits.
         """
         area = self._zone(name)
-        travellers = sorted(self._travellers, key=lambda one: one.rank)
+        travellers = self.travellers()
         if max_speed is None:
             self._limits.pop(name, None)
         else:
@@ -218,7 +218,7 @@ class Traffic:
         self.ways_out.left(traveller)
 
     def travellers(self) -> List[Traveller]:
-        """Return the robots, in the order in which they came."""
+        """Return the robots, in the order of their names."""
         return list(self._travellers)
 
     def areas(self) -> List[Area]:
