@@ -4,6 +4,7 @@ import random
 
 import pytest
 import yaml
+from night import times
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.fleet import Fleet
@@ -165,7 +166,7 @@ def test_more_robots_than_places_start_at_a_node_with_a_warning(tmp_path):
         'b stands in node A, which has no free place: 2 robots of 1 are there']
 
 
-@pytest.mark.parametrize('seed', range(30))
+@pytest.mark.parametrize('seed', range(times(30, 2_000)))
 def test_no_node_ever_holds_more_robots_than_it_has_places_and_no_two_stand_in_one_point(tmp_path, seed):
     dice = random.Random(seed)
     count = dice.randint(4, 8)
@@ -297,6 +298,17 @@ def test_a_robot_that_must_wait_at_a_node_with_spots_waits_at_its_spot(tmp_path)
     entered = [entry.time_ns for entry in fleet.trace if (entry.robot, *entry.values) == ('b', 'node E')]
     left = [entry.time_ns for entry in fleet.trace if (entry.robot, *entry.values) == ('b', 'node D')]
     assert entered == left[1:]  # b asks for the lane where it departs from its spot, and gives D back there
+
+
+def test_a_robot_that_was_stopped_between_the_point_of_a_node_and_its_spot_keeps_its_place(tmp_path):
+    fleet = fleet_on(net_file(tmp_path, DEPOT, ('AB', 'BD', 'DE')), {'a': (10.0, 0.0)})
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.run(until=11.0)
+    fleet.robot('a').cancel()
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.run()
+    assert stand(fleet) == {'a': SPOTS[0]} and holders(fleet) == {'node D': ('a',)}
+    assert rows(fleet, 'left') == []
 
 
 def test_a_robot_that_starts_at_a_spot_keeps_it_and_goes_back_to_it(tmp_path):

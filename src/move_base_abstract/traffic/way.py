@@ -124,7 +124,7 @@ def stays_at_nodes(leg: Any, node_at: Callable[[Optional[int], Tuple[float, floa
             stays.append(Stay(area, begun, None if is_last else end))
         if is_last:
             break
-        if pieces[number + 1][0] != edge:
+        if area is not None or pieces[number + 1][0] != edge:
             begun = end
     return stays
 
