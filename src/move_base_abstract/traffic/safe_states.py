@@ -58,7 +58,7 @@ def cannot_stay(travellers: Iterable[Traveller], taker: Optional[Traveller] = No
     travellers = list(travellers)
     if taker is None and not is_in_the_way(travellers):
         busy = [one for one in travellers if one.needs]
-        able = _able(busy)
+        able = _able(busy, {})
         return [one for one in busy if one not in able]
     counts: Dict[Area, int] = {}
     staying: Dict[Area, int] = {}
