@@ -50,7 +50,6 @@ class WaysOut:
         self._turning: Dict[Traveller, bool] = {}  # robots that begin with their moves at the next border
         self._is_due = False  # whether anything has changed on which the safety depends
         self._goals: Dict[Traveller, Tuple[int, int]] = {}  # (the number of its goal, since when it has it [ns])
-        self._is_new = False  # whether any goal is new
         self._places: Dict[str, LanePlaces] = {}  # by the file
         self._tried: Any = None  # the state in which the last search found nothing
         self._told: Dict[Any, bool] = {}
@@ -69,9 +68,8 @@ class WaysOut:
             return False
         if self._moves is not None and not any(self._left(one, now_ns) for one in self._moves.nodes):
             self._end_moves()
-        stands = self._moves is None and not self.is_safe and all(
-            one.navigator.robot.leg is None for one in self._traffic.travellers())
-        if self._is_due or stands:
+        if self._moves is None and (self._is_due or (not self.is_safe and all(
+                one.navigator.robot.leg is None for one in self._traffic.travellers()))):
             self._look(now_ns)
         to_start, self._to_start = self._to_start, []
         for one in to_start:
@@ -97,10 +95,8 @@ class WaysOut:
             return
         if self._goals.get(traveller, (None, 0))[0] != number:
             self._goals[traveller] = number, now_ns
-            self._is_new = True
-        if self._moves is None or self._is_new:
-            self._is_due = True
-            self._traffic.serve(now_ns)
+        self._is_due = True
+        self._traffic.serve(now_ns)
 
     def solves(self, traveller: Traveller) -> bool:
         """Return whether moves lead a robot, so that it waits in no circle."""
@@ -178,10 +174,10 @@ class WaysOut:
 
     def _look(self, now_ns: int) -> None:
         """Look whether all robots can come to their ends; if not, look for moves."""
-        self._is_due = self._is_new = False
+        self._is_due = False
         stuck = cannot_stay(self._traffic.travellers())
         self.is_safe = not stuck
-        if stuck or self._moves is not None:
+        if stuck:
             self._search(stuck, now_ns)
 
     def _search(self, stuck: Sequence[Traveller], now_ns: int) -> None:
@@ -203,7 +199,7 @@ class WaysOut:
             if moves is None and None not in wanted:
                 self._tell(starts, now_ns)
             return
-        to_start = dict.fromkeys([*self._to_start, *(self._moves.nodes if self._moves is not None else ())], True)
+        to_start = dict.fromkeys(self._to_start, True)
         self._moves = Moves([(start.traveller, start.goal, start.traveller.navigator.goal_number) for start in starts],
                             net, begin, moves)
         self._to_start = sorted({**to_start, **dict.fromkeys(self._moves.nodes, True)}, key=lambda one: one.rank)
