@@ -142,4 +142,4 @@ def test_what_cbs_solves_the_search_solves_too(seed, tmp_path):
     steps = _by_cbs(one, tmp_path)
     if steps is None:
         pytest.skip('cbs found nothing in 2 s; it does not end where there is no way')
-    assert is_solvable(one) or any(map(_go_round, steps, steps[1:]))
+    assert is_solvable(one, stays=False) or any(map(_go_round, steps, steps[1:]))
