@@ -54,12 +54,12 @@ def test_a_refusal_because_others_would_be_cut_off_is_a_reason_that_these_end(tm
     edges = [(str(number), str(number + 1), {'capacity': 1}) for number in range(3)]
     robots = {'a': ('0', {'max_speed': 1.0}), 'b': ('3', {'max_speed': 1.0})}
     fleet = run(tmp_path, nodes, edges, robots, {'a': ['3'], 'b': ['0']}, until=5.0, deadlock='avoid')
-    states = fleet.traffic.safe_states
-    request, = [one.request for one in states().travellers if one.request is not None]
-    reason, = reasons_of(request, states)
+    against = fleet.traffic.against
+    request, = [one.request for one in fleet.traffic.travellers() if one.request is not None]
+    reason, = reasons_of(request, against)
     assert (request.traveller.name, reason.area.name, reason.needed, reason.is_unsafe) == ('b', 'lane 2 - 3', 1, True)
     assert [one.name for one in reason.robots] == ['a']
-    assert not WaitingGraph((request,), states).stuck
+    assert not WaitingGraph((request,), against).stuck
 
 
 @pytest.mark.parametrize('seed', [10, 34, 37, 52])
@@ -94,10 +94,10 @@ def test_whoever_stands_in_a_quiet_fleet_waits_in_a_named_circle_or_for_a_robot_
         assert names == [robot.name for robot in fleet.robots if robot.navigator.is_active], seed
         if not waiting:
             continue
-        states = fleet.traffic.safe_states
-        assert all(list(reasons_of(request, states)) for request in waiting), seed  # nobody was forgotten
+        against = fleet.traffic.against
+        assert all(list(reasons_of(request, against)) for request in waiting), seed  # nobody was forgotten
         fleet.write_log(tmp_path / 'run.jsonl')
         named = [one for one in judge(Run(str(tmp_path / 'run.jsonl'))) if one.property == 'no_standstill']
-        stuck = WaitingGraph(waiting, states).stuck
+        stuck = WaitingGraph(waiting, against).stuck
         holders = {name for area in fleet.zones if area.robots for name in area.robots if name not in names}
         assert bool(named) == bool(stuck) and (named or holders), seed

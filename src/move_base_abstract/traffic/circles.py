@@ -45,7 +45,7 @@ class Circles:
         """
         while self._is_waited_for() and not self._traffic.ways_out.solves(self._traveller):
             request: Any = self._traveller.request
-            circle = WaitingGraph((request,), self._traffic.safe_states).circle(self._traveller)
+            circle = WaitingGraph((request,), self._traffic.against).circle(self._traveller)
             if circle is None:
                 return
             requests: List[Any] = [traveller.request for traveller, _ in circle]

@@ -208,6 +208,13 @@ class Traffic:
             if area.queue and area not in self._dirty:
                 self._dirty.append(area)
 
+    def against(self, request: Request) -> Tuple[Traveller, ...]:
+        """Return the robots of which one must go on before a careful robot may have its places; (): it may."""
+        allowed = self.ways_out.allows(request.traveller, request.areas)
+        if allowed is None:
+            return self.safe_states().against(request)
+        return () if allowed else self.ways_out.others(request.traveller)
+
     def safe_states(self) -> SafeStates:
         """Return the SafeStates of the present, valid until anything changes."""
         return SafeStates(self._travellers, self.ways_out.is_safe)
@@ -282,6 +289,11 @@ class Traffic:
 
     def _let_in(self, now_ns: int) -> bool:
         """Let in the first robot that may go on where anything has changed; return whether anything has followed."""
+        alone = self._asking[0] if len(self._asking) == 1 and not self._dirty and not self._new else None
+        if alone is not None and alone.goes_on_alone():  # the usual case, which needs no queue
+            self._asking.clear()
+            alone.traveller.serve(Traveller.go_on, now_ns)
+            return True
         for request in self._asking:
             if request.traveller.asked is request:
                 request.line_up()

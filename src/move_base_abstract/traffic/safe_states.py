@@ -164,13 +164,15 @@ class SafeStates:
     def against(self, request: Request) -> Tuple[Traveller, ...]:
         """Return the robots of which one must go on before the robot of ``request`` may have its places; (): it may.
 
-        They hold places, and would not be able.
+        They hold places, and would not be able. If all would be able, but not all could stay, these are all that hold
+        places.
         """
         taker = request.traveller
         if self.allows_request(request):
             return ()
         after = _able(self._busy, self._behind, taker, request.areas)
-        return tuple(one for one in self._busy if one.held and one is not taker and one not in after)
+        found = tuple(one for one in self._busy if one.held and one is not taker and one not in after)
+        return found or tuple(one for one in self.travellers if one.held and one is not taker)
 
     def _able_before(self) -> Dict[Traveller, bool]:
         if self._before is None:

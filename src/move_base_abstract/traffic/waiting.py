@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Callable, Dict, Iterable, Iterator, List, Name
 
 if TYPE_CHECKING:
     from .area import Area, Request
-    from .safe_states import SafeStates
     from .traveller import Traveller
+
+    #: returns the robots that keep a careful robot out of a place that is free
+    Against = Callable[[Request], Tuple[Traveller, ...]]
 
 
 class Reason(NamedTuple):
@@ -34,8 +36,8 @@ class Reason(NamedTuple):
         return sum(one not in stuck for one in self.robots) < self.needed
 
 
-def reasons_of(request: Request, states: Callable[[], SafeStates]) -> Iterator[Reason]:
-    """Yield the reasons of ``request``, none if it can be granted; ``states()`` returns the present SafeStates."""
+def reasons_of(request: Request, against: Against) -> Iterator[Reason]:
+    """Yield the reasons of ``request``, none if it can be granted; ``against``: see :meth:`.Traffic.against`."""
     is_free = True
     for area in (*request.areas, *request.ahead):
         if not area.has_room():
@@ -48,24 +50,24 @@ def reasons_of(request: Request, states: Callable[[], SafeStates]) -> Iterator[R
             is_free = False
             yield Reason(area, (one.traveller,))
     if is_free and request.traveller.is_careful:
-        against = states().against(request)
-        if against:
-            yield Reason(request.areas[0], against, is_unsafe=True)
+        robots = against(request)
+        if robots:
+            yield Reason(request.areas[0], robots, is_unsafe=True)
 
 
 class WaitingGraph:
     """The present graph of waiting, from ``requests`` on: {Traveller: [Reason, ...]}, and the robots that are stuck.
 
-    ``states()`` returns the present SafeStates.
+    ``against``: see :meth:`.Traffic.against`.
     """
 
-    def __init__(self, requests: Iterable[Request], states: Callable[[], SafeStates]) -> None:
+    def __init__(self, requests: Iterable[Request], against: Against) -> None:
         self.reasons: Dict[Traveller, List[Reason]] = {}
         open_: List[Optional[Request]] = list(requests)
         while open_:
             request = open_.pop()
             if request is not None and request.traveller not in self.reasons:
-                found = self.reasons[request.traveller] = list(reasons_of(request, states))
+                found = self.reasons[request.traveller] = list(reasons_of(request, against))
                 open_ += [one.request for reason in found for one in reason.robots]
         #: {Traveller: True} of the robots that are stuck
         self.stuck = dict.fromkeys(self.reasons, True)

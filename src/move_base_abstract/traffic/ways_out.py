@@ -102,6 +102,10 @@ class WaysOut:
         """Return whether moves lead a robot, so that it waits in no circle."""
         return self._moves is not None and traveller in self._moves.nodes
 
+    def others(self, traveller: Traveller) -> Tuple[Traveller, ...]:
+        """Return the other robots that drive by the moves."""
+        return () if self._moves is None else tuple(one for one in self._moves.nodes if one is not traveller)
+
     def allows(self, traveller: Traveller, areas: Sequence[Area]) -> Optional[bool]:
         """Return whether a robot may have places in ``areas`` by the moves; None: they say nothing."""
         moves = self._moves
