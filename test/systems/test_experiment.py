@@ -1,4 +1,5 @@
 """Experiments with real worker processes: killed workers and clients, failures, warm and cold starts, leftovers."""
+import contextlib
 import csv
 import dataclasses
 import io
@@ -130,9 +131,12 @@ class Client:
         return self.process.returncode, text
 
     def workers(self):
-        """Return the worker processes."""
-        return [one for one in psutil.Process(self.process.pid).children(recursive=True)
-                if any('spawn_main' in word for word in one.cmdline())]
+        """Return the worker processes; those that end meanwhile are left out."""
+        found = []
+        for one in psutil.Process(self.process.pid).children(recursive=True):
+            with contextlib.suppress(psutil.NoSuchProcess):
+                found += [one] * any('spawn_main' in word for word in one.cmdline())
+        return found
 
     def left(self):
         """Return the processes with its mark that still run."""

@@ -273,19 +273,32 @@ class Traffic:
         """Do all that follows from the events of an instant, one thing after the other, in an order of their own.
 
         The first of the robots that may go on does so, until none may; then the first that asked at this instant and
-        may not go on is held, and so on.
+        may not go on is held, and so on. An unexpected error breaks off the goal of one of those concerned, and the
+        rest is decided anew.
         """
         try:
             while self.ways_out.acts(now_ns) or self._let_in(now_ns) or self._let_in_safely(
                     now_ns) or self._turn_away(now_ns):
                 pass
             self._look_again(now_ns)
-        finally:
             self._is_due = False
+        except Exception as error:
+            self._is_due = False
+            concerned = self._concerned()
+            has_goal = concerned.navigator.is_active
+            concerned.navigator.break_off(error)
+            if has_goal:  # so this comes to an end if the error comes again and again
+                self.serve(now_ns)
         if not self._is_told:
             self._is_told = True
             for changed in self._followers:
                 changed()
+
+    def _concerned(self) -> Traveller:
+        """Return the first robot with a goal of those about which something is to be decided, or of all, or any."""
+        requests = [*self._asking, *self._new, *(one for area in self._dirty for one in area.queue)]
+        travellers = [*(one.traveller for one in requests), *self._to_look_at, *self._travellers]
+        return next((one for one in travellers if one.navigator.is_active), travellers[-1])
 
     def _let_in(self, now_ns: int) -> bool:
         """Let in the first robot that may go on where anything has changed; return whether anything has followed."""
@@ -294,13 +307,14 @@ class Traffic:
             self._asking.clear()
             alone.traveller.serve(Traveller.go_on, now_ns)
             return True
-        for request in self._asking:
+        while self._asking:
+            request = self._asking[0]
             if request.traveller.asked is request:
                 request.line_up()
                 self._new.append(request)
                 self._has_moved = True
                 self._ask_in(request.areas)
-        self._asking.clear()
+            del self._asking[0]
         self._dirty = [area for area in self._dirty if area.queue]
         requests = sorted(dict.fromkeys(one for area in self._dirty for one in area.may_be_next()))
         first = next((one for one in requests if one.is_first()), None)
