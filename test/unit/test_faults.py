@@ -21,8 +21,8 @@ ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'g
            ('ledger.py', 'receive'), ('ledger.py', 'finish'),
            ('place_tasks.py', 'take'), ('room.py', '_admit'), ('room.py', 'ask'),
            ('room.py', '_look'), ('room.py', '_changed'), ('place_tasks.py', 'shut_down'),
-           ('traveller.py', '_happen'), ('control.py', '_decide'), ('travel.py', '_change_holds'), ('member.py', '_now_ns'),
-           ('member.py', '_worker'), ('member.py', 'send'), ('member.py', 'send_task'),
+           ('traveller.py', '_happen'), ('control.py', '_decide'), ('travel.py', '_change_holds'),
+           ('member.py', '_now_ns'), ('member.py', '_worker'), ('member.py', 'send'), ('member.py', 'send_task'),
            ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'),
            ('failing.py', '_forget'), ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
            ('geometry.py', 'quaternion_of_yaw')}

@@ -9,8 +9,7 @@ that end there.
 """
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Optional, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.parameter_table import checked
@@ -18,7 +17,6 @@ from ..common.shown import shown_text
 from ..common.units import NS_PER_S
 from ..goals.traffic_events import Paced, ZoneLimit
 from ..maps.lane_map import LaneMap
-from ..motion.planned_way import PieceLimit, PlannedWay
 from .area import Area
 from .nodes import NodeAreas
 from .outline import BORDER
@@ -27,7 +25,7 @@ from .safe_states import SafeStates, first_to_go_on
 from .traveller import Traveller
 from .way import ZoneIndex
 from .ways_out import WaysOut
-from .zones import MAX_SPEED
+from .zones import MAX_SPEED, limited
 
 if TYPE_CHECKING:
     from ..engine.simulation import Simulation
@@ -35,10 +33,8 @@ if TYPE_CHECKING:
     from ..goals.navigator import Navigator
     from ..motion.geometry import Pose2D
     from .area import AreaState, Request
-    from .outline import Outline
     from .zones import Zone
 
-_FREE = PieceLimit()
 _CLOSED_NS = 3600 * NS_PER_S  # the price of a way through a closed zone
 
 
@@ -366,42 +362,3 @@ def _check_law(navigator: Navigator) -> None:
     if not navigator.robot.keeps_piece_limits:
         raise ConfigurationError("robot '{}': its law of motion, a calibration's or the original's, allows no speed "
                                  'limits of zones; leave max_speed out'.format(navigator.robot.name))
-
-
-def limited(start: Pose2D, corners: Any, goal: Pose2D, zones: Sequence[Tuple[Outline, float]]) -> Any:
-    """Return the way from ``start`` along ``corners`` to ``goal`` with the limits of ``zones`` ((Outline, m/s), ...).
-
-    If the way is in none of them, ``corners`` is returned. Where there are several limits, including those that the
-    pieces have already, the lowest counts.
-    """
-    points: List[Tuple[float, float]] = [(start.x, start.y), *corners, (goal.x, goal.y)]
-    inside = [(*piece, speed) for outline, speed in zones for piece in outline.pieces_inside(points)]
-    if not inside:
-        return corners
-    count = len(points) - 1
-    limits = getattr(corners, 'limits', ()) or (_FREE,) * count
-    lanes = getattr(corners, 'lanes', ())
-    ends, found, found_lanes = [], [], []
-    for number, end, limit in _pieces(points, limits, inside):
-        ends.append(end)
-        found.append(limit)
-        found_lanes.append(lanes[number] if lanes else None)
-    return PlannedWay(ends[:-1], found, found_lanes if lanes else (), getattr(corners, 'seconds', None),
-                      getattr(corners, 'ends_on_lane', False))
-
-
-def _pieces(points: Sequence[Tuple[float, float]], limits: Sequence[PieceLimit],
-            inside: Sequence[Tuple[float, float, float]]) -> Iterator[Tuple[int, Tuple[float, float], PieceLimit]]:
-    """Yield (number of the original piece, end, limit) for each piece after the cuts."""
-    cuts = sorted({at for begin, end, _ in inside for at in (begin, end)})
-    begun = 0.0
-    for number, ((x, y), (to_x, to_y)) in enumerate(zip(points, points[1:])):
-        length, last, limit = math.dist((x, y), (to_x, to_y)), 0.0, limits[number]
-        for end in [*(at - begun for at in cuts if BORDER < at - begun < length - BORDER), length]:
-            middle, share = begun + 0.5 * (last + end), end / length if length > 0.0 else 1.0
-            speed = min((speed for one, other, speed in inside if one < middle < other), default=math.inf)
-            place = (to_x, to_y) if end == length else (x + share * (to_x - x), y + share * (to_y - y))
-            yield number, place, PieceLimit(min(limit.speed, speed / limit.share), limit.share,
-                                            limit.goes_on or last > 0.0)
-            last = end
-        begun += length

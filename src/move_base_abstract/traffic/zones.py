@@ -10,16 +10,21 @@ in it.
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError
 from ..common.kinds import ANY, COORDINATE, error, integer, number
 from ..common.parameter_table import Parameter, read_mapping
 from ..common.ros_names import ROBOT_NAME_RULE, robot_name
 from ..maps.lane_map import GROUP
+from ..motion.planned_way import PieceLimit, PlannedWay
 from .outline import BORDER, MAX_POINTS, Outline, rectangle
 
+if TYPE_CHECKING:
+    from ..motion.geometry import Pose2D
+
 MAX_ZONES = 10_000
+_FREE = PieceLimit()
 _CURRENT = number(above=0.0, high=1e9)
 
 
@@ -143,3 +148,42 @@ def _outline(raw: Mapping[str, Any], key: str, where: str) -> Outline:
         except ValueError as fault:
             reason = ', which {}'.format(fault)
     raise error(f'{where}: {key}', value, _RECTANGLE if key == 'rectangle' else _POLYGON, reason)
+
+
+def limited(start: Pose2D, corners: Any, goal: Pose2D, zones: Sequence[Tuple[Outline, float]]) -> Any:
+    """Return the way from ``start`` along ``corners`` to ``goal`` with the limits of ``zones`` ((Outline, m/s), ...).
+
+    If the way is in none of them, ``corners`` is returned. Where there are several limits, including those that the
+    pieces have already, the lowest counts.
+    """
+    points: List[Tuple[float, float]] = [(start.x, start.y), *corners, (goal.x, goal.y)]
+    inside = [(*piece, speed) for outline, speed in zones for piece in outline.pieces_inside(points)]
+    if not inside:
+        return corners
+    count = len(points) - 1
+    limits = getattr(corners, 'limits', ()) or (_FREE,) * count
+    lanes = getattr(corners, 'lanes', ())
+    ends, found, found_lanes = [], [], []
+    for piece, end, limit in _pieces(points, limits, inside):
+        ends.append(end)
+        found.append(limit)
+        found_lanes.append(lanes[piece] if lanes else None)
+    return PlannedWay(ends[:-1], found, found_lanes if lanes else (), getattr(corners, 'seconds', None),
+                      getattr(corners, 'ends_on_lane', False))
+
+
+def _pieces(points: Sequence[Tuple[float, float]], limits: Sequence[PieceLimit],
+            inside: Sequence[Tuple[float, float, float]]) -> Iterator[Tuple[int, Tuple[float, float], PieceLimit]]:
+    """Yield (number of the original piece, end, limit) for each piece after the cuts."""
+    cuts = sorted({at for begin, end, _ in inside for at in (begin, end)})
+    begun = 0.0
+    for piece, ((x, y), (to_x, to_y)) in enumerate(zip(points, points[1:])):
+        length, last, limit = math.dist((x, y), (to_x, to_y)), 0.0, limits[piece]
+        for end in [*(at - begun for at in cuts if BORDER < at - begun < length - BORDER), length]:
+            middle, share = begun + 0.5 * (last + end), end / length if length > 0.0 else 1.0
+            speed = min((speed for one, other, speed in inside if one < middle < other), default=math.inf)
+            place = (to_x, to_y) if end == length else (x + share * (to_x - x), y + share * (to_y - y))
+            yield piece, place, PieceLimit(min(limit.speed, speed / limit.share), limit.share,
+                                            limit.goes_on or last > 0.0)
+            last = end
+        begun += length
