@@ -184,6 +184,6 @@ def _pieces(points: Sequence[Tuple[float, float]], limits: Sequence[PieceLimit],
             speed = min((speed for one, other, speed in inside if one < middle < other), default=math.inf)
             place = (to_x, to_y) if end == length else (x + share * (to_x - x), y + share * (to_y - y))
             yield piece, place, PieceLimit(min(limit.speed, speed / limit.share), limit.share,
-                                            limit.goes_on or last > 0.0)
+                                           limit.goes_on or last > 0.0)
             last = end
         begun += length
