@@ -10,6 +10,9 @@ from night import times
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.properties import Run, judge
 from move_base_abstract.scenario import make_scenario
+from move_base_abstract.traffic.circles import Circles
+from move_base_abstract.traffic.control import Traffic
+from move_base_abstract.traffic.traveller import Traveller
 from move_base_abstract.traffic.waiting import WaitingGraph, reasons_of
 from small_worlds import LargeWorld, SmallWorld
 from traces import rows
@@ -81,6 +84,56 @@ def test_who_may_overtake_is_asked_when_an_area_ahead_of_the_first_in_the_queue_
     goals = {'r_0': ['n2', 'n3', 'n2'], 'r_1': ['n3'], 'r_3': ['n3'], 'r_4': ['n0'], 'r_5': ['c'], 'r_6': ['c', 'n3']}
     fleet = run(tmp_path, nodes, edges, robots, goals, blocks=3, groups={'g0': 2})
     assert [row[4] for row in rows(fleet, 'ended')] == ['SUCCEEDED'] * 9
+
+
+CROSSING = [{'name': 'west', 'rectangle': [2.0, -1.0, 4.0, 1.0], 'capacity': 1},
+            {'name': 'east', 'rectangle': [4.0, -1.0, 6.0, 1.0], 'capacity': 1}]
+
+
+def meet(folder, policy):
+    """Let a robot from the west and one from the east meet; return (their Fleet, how often no_standstill is broken)."""
+    fleet = Fleet(make_scenario({'zones': CROSSING, 'deadlock': policy, 'robots': [
+        {'name': 'a', 'max_speed': 1.0}, {'name': 'b', 'start_x': 8.0, 'max_speed': 1.0}]}), start_ns=0)
+    fleet.robot('a').send(8.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.run()
+    fleet.write_log(folder / 'run.jsonl')
+    broken = [one.property for one in judge(Run(str(folder / 'run.jsonl')))]
+    return fleet, broken.count('no_standstill')
+
+
+@pytest.mark.parametrize('policy', ['wait', 'abort', 'avoid', 'retreat'])
+def test_a_circle_that_nobody_has_seen_to_close_is_named_when_the_fleet_becomes_quiet(tmp_path, monkeypatch, policy):
+    monkeypatch.setattr(Circles, 'look', lambda *_: None)
+    monkeypatch.setattr(Traveller, 'is_careful', property(lambda _: False, lambda *_: None), raising=False)
+    fleet, broken = meet(tmp_path, policy)
+    circle = (4.0, 'b', 'deadlock', 'a', 'zone east', 'b', 'zone west')
+    assert rows(fleet, 'deadlock')[:1] == [circle]
+    assert len(fleet.warnings) == len(rows(fleet, 'deadlock'))
+    assert broken == (policy in ('wait', 'avoid'))
+    ends = {'abort': ['ABORTED'], 'retreat': ['SUCCEEDED', 'SUCCEEDED']}
+    assert [row[4] for row in rows(fleet, 'ended')] == ends.get(policy, [])
+
+
+def test_a_robot_that_waits_for_nothing_is_named_when_the_fleet_becomes_quiet(tmp_path, monkeypatch):
+    monkeypatch.setattr(Traffic, 'freed', lambda *_: None)
+    fleet = Fleet(make_scenario({'zones': CROSSING[:1], 'robots': [
+        {'name': 'a', 'max_speed': 1.0}, {'name': 'b', 'max_speed': 1.0, 'start_x': -1.0}]}), start_ns=0)
+    for name in 'ab':
+        fleet.robot(name).send(8.0, 0.0)
+    fleet.run(until=100.0)
+    assert rows(fleet, 'deadlock') == [(8.0, 'b', 'deadlock', 'b', 'zone west')]
+    assert 'although nothing keeps it out' in fleet.warnings[-1].text
+    fleet.write_log(tmp_path / 'run.jsonl')
+    assert [one.property for one in judge(Run(str(tmp_path / 'run.jsonl')))] == ['no_standstill', 'every_goal_ends']
+
+
+def test_a_robot_that_waits_for_one_that_stands_without_a_goal_is_no_standstill():
+    fleet = Fleet(make_scenario({'zones': CROSSING, 'robots': [
+        {'name': 'a', 'max_speed': 1.0}, {'name': 'b', 'start_x': 5.0}]}), start_ns=0)
+    fleet.robot('a').send(8.0, 0.0)
+    fleet.run()
+    assert rows(fleet, 'held') and not rows(fleet, 'deadlock') and not fleet.warnings
 
 
 @pytest.mark.parametrize('part', range(10))

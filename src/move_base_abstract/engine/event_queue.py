@@ -75,6 +75,7 @@ class EventQueue:
         # A third queue, of what comes at its end: items to be told and events, as they came; see tell_at_end().
         self._ends: Deque[Any] = deque()
         self._decisions: Deque[Tuple[int, Callable[[int, int], Any]]] = deque()  # (due_ns, action)
+        self._when_quiet: Dict[Callable[[int, int], Any], bool] = {}
         self._end_index = _NO_INDEX
         self._tell_end: Callable[[Any], object] = self._ends.append
         self._instant_ns = now_ns  # the instant of the event that has happened last, or up to which all has happened
@@ -105,6 +106,10 @@ class EventQueue:
     def decide(self, now_ns: int, action: Callable[[int, int], Any]) -> None:
         """Call ``action(due_ns, now_ns)`` when robots have done all that they do at this instant, ``now_ns`` [ns]."""
         self._decisions.append((now_ns, action))
+
+    def when_quiet(self, action: Callable[[int, int], Any]) -> None:
+        """Call ``action(due_ns, now_ns)`` once, at the end of the next instant after which the queue is not busy."""
+        self._when_quiet[action] = True
 
     @property
     def is_ending(self) -> bool:
@@ -224,11 +229,11 @@ class EventQueue:
         this goes on as long as the queue :meth:`is_busy`. Unless ``decides``, nothing is decided at ``until_ns`` yet.
         """
         later, soon, ends = self._heap, self._soon, self._ends
-        end_ns, undecided_ns, entered_ns = math.inf if until_ns is None else until_ns, None if decides else until_ns, -1
+        end_ns, open_ns, entered_ns = math.inf if until_ns is None else until_ns, None if decides else until_ns, -1
         turn: Optional[int] = None  # in a turn of users' calls: how many of those that were to be told are left
-        while later or soon or ends or self._decisions:
+        while later or soon or ends or self._decisions or (self._when_quiet and decides):
             heap = soon if soon and (not later or soon[0] < later[0]) else later
-            if self._decisions and self._is_time_to_decide(heap, turn, present.now_ns, undecided_ns):
+            if (self._decisions or self._when_quiet) and self._is_time_to_decide(heap, turn, present.now_ns, open_ns):
                 turn = None
                 self._take_decision(instant_by_instant, until_ns)
                 continue
@@ -256,12 +261,23 @@ class EventQueue:
                 self._break_off(robot_index, error)
         self._instant_ns = max(self._instant_ns, -1 if until_ns is None else until_ns)
 
-    def _is_time_to_decide(self, heap: List[_Entry], turn: Optional[int], now_ns: int,
-                           undecided_ns: Optional[int]) -> bool:
+    def _is_time_to_decide(self, heap: List[_Entry], turn: Optional[int], now_ns: int, open_ns: Optional[int]) -> bool:
         """Return whether robots have done all of this instant, and a turn of users' calls has not begun or is over."""
-        if self._decisions[0][0] == undecided_ns or (heap and heap[0][:2] < (now_ns, USERS)):
+        if not self._decisions and (open_ns is not None or not self._falls_quiet(heap, now_ns)):
+            return False
+        if self._decisions[0][0] == open_ns or (heap and heap[0][:2] < (now_ns, USERS)):
             return False
         return turn is None or (turn == 0 and not (heap and heap[0][0] <= now_ns))
+
+    def _falls_quiet(self, heap: List[_Entry], now_ns: int) -> bool:
+        """If this instant is over, and is the last one, have done what is to be done then; return whether it is so."""
+        while heap and heap[0][3].action is None:
+            heappop(heap)
+        if (heap and (heap[0][0] <= now_ns or heap[0][3].keeps_going is None)) or self.is_busy():
+            return False
+        self._decisions.extend((now_ns, action) for action in self._when_quiet)
+        self._when_quiet.clear()
+        return True
 
     def _take_decision(self, instant_by_instant: bool, until_ns: Any) -> None:
         due_ns, decide = self._decisions.popleft()

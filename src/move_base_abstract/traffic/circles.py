@@ -46,26 +46,44 @@ class Circles:
         while self._is_waited_for() and not self._traffic.ways_out.solves(self._traveller):
             request: Any = self._traveller.request
             circle = WaitingGraph((request,), self._traffic.against).circle(self._traveller)
-            if circle is None:
+            if circle is None or not self.resolves(circle, now_ns):
                 return
-            requests: List[Any] = [traveller.request for traveller, _ in circle]
-            yields = None
-            if self._policy is DeadlockPolicy.RETREAT:
-                yields = _who_gives_way(circle)
-                if yields is None:
-                    self._traffic.look_at(self._traveller)
-            if yields is None and all(one.is_in_circle for one in requests):
-                return
-            for one in requests:
-                one.is_in_circle = yields is None
-            self._name(circle, yields and yields[0], now_ns)
-            if self._policy is DeadlockPolicy.ABORT:
-                self._navigator.shut_down(NO_CONTROL, now_ns)
+
+    def resolves(self, circle: Sequence[Tuple[Traveller, Reason]], now_ns: int) -> bool:
+        """Report ``circle``, and resolve it as the policy says; return whether a robot gives way.
+
+        Nothing is done if it has been reported, and no robot can give way.
+        """
+        requests: List[Any] = [traveller.request for traveller, _ in circle]
+        yields = None
+        if self._policy is DeadlockPolicy.RETREAT:
+            yields = _who_gives_way(circle)
             if yields is None:
-                return
-            traveller, way = yields
-            traveller.circles.gives_way_in(circle)
-            traveller.serve(lambda one, at_ns, way=way: one.gives_way(way, at_ns), now_ns)  # type: ignore[misc]
+                self._traffic.look_at(self._traveller)
+        if yields is None and all(one.is_in_circle for one in requests):
+            return False
+        for one in requests:
+            one.is_in_circle = yields is None
+        self._name(circle, yields and yields[0], now_ns)
+        if self._policy is DeadlockPolicy.ABORT:
+            self._navigator.shut_down(NO_CONTROL, now_ns)
+        if yields is None:
+            return False
+        traveller, way = yields
+        traveller.circles.gives_way_in(circle)
+        traveller.serve(lambda one, at_ns, way=way: one.gives_way(way, at_ns), now_ns)  # type: ignore[misc]
+        return True
+
+    def is_forgotten(self, now_ns: int) -> None:
+        """Report, once, that the robot waits although it could go on, and nothing is left that could happen."""
+        request: Any = self._traveller.request
+        if request.is_in_circle or not self._traveller.waits_only:
+            return
+        request.is_in_circle = True
+        name, area = self._traveller.name, request.areas[0].name
+        self._tell(Deadlock(now_ns, name, (name, area)))
+        self._tell(Warned(now_ns, name, '{} waits for {} for ever, although nothing keeps it out. This is an error of '
+                          'move_base_abstract; please report it.'.format(name, area)))
 
     def _is_waited_for(self) -> bool:
         """Return whether any robot may wait for this one, which waits itself."""
@@ -111,6 +129,29 @@ class Circles:
             what = ' {} gives way.'.format(yields.name) if yields else ' None of them can give way.'
         self._tell(Warned(now_ns, name, 'Robots wait for one another in a circle: {}.{}'.format(
             '; '.join(_words(*pair) for pair in zip(circle, [*circle[1:], circle[0]])), what)))
+
+
+def name_standstill(traffic: Traffic, now_ns: int) -> None:
+    """Have it reported, and resolved, what keeps robots waiting when nothing is left that could happen.
+
+    These are the circles that nobody has seen to close, and robots that wait for nothing at all.
+    """
+    waiting = {one: one.request for one in traffic.travellers() if one.request is not None}
+    graph = WaitingGraph(waiting.values(), traffic.against)
+    circles = [circle for circle in map(graph.circle, waiting) if circle is not None]
+    named = {one: True for circle in circles if all(waiting[one].is_in_circle for one, _ in circle)
+             for one, _ in circle}
+    for circle in circles:
+        robots = [one for one, _ in circle]
+        if not any(one in named for one in robots):
+            last = max(robots, key=lambda one: waiting[one])
+            if last.circles.resolves(circle, now_ns) or last.request is None:
+                traffic.serve(now_ns)
+                return  # the fleet goes on
+            named.update(dict.fromkeys(robots, True))
+    for one in waiting:
+        if not graph.reasons[one]:
+            one.circles.is_forgotten(now_ns)
 
 
 def _key(circle: Sequence[Tuple[Traveller, Reason]]) -> Tuple[Tuple[str, str, int], ...]:

@@ -18,6 +18,7 @@ from ..common.units import NS_PER_S
 from ..goals.traffic_events import Paced, ZoneLimit
 from ..maps.lane_map import LaneMap
 from .area import Area
+from .circles import name_standstill
 from .nodes import NodeAreas
 from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
@@ -278,6 +279,7 @@ class Traffic:
                 pass
             self._look_again(now_ns)
             self._is_due = False
+            self.simulation.queue.when_quiet(self._stands_still)
         except Exception as error:
             self._is_due = False
             concerned = self._concerned()
@@ -289,6 +291,12 @@ class Traffic:
             self._is_told = True
             for changed in self._followers:
                 changed()
+
+    def _stands_still(self, now_ns: int, _now_ns: int) -> None:
+        try:
+            name_standstill(self, now_ns)
+        except Exception as error:
+            self._concerned().navigator.break_off(error)
 
     def _concerned(self) -> Traveller:
         """Return the first robot with a goal of those about which something is to be decided, or of all, or any."""
