@@ -6,7 +6,8 @@ import pytest
 
 from move_base_abstract.fleet import Fleet
 from move_base_abstract.scenario import make_scenario
-from move_base_abstract.traffic.joint_search import Net, TooManyStates, find_moves
+from move_base_abstract.traffic import ways_out
+from move_base_abstract.traffic.joint_search import Net, TooManyStates, find_most, find_moves
 from tiny_nets import instance, is_solvable
 from traces import rows
 
@@ -50,10 +51,11 @@ def test_the_search_takes_the_fewest_moves_and_gives_up_when_it_has_looked_at_to
 @pytest.fixture
 def fleet_of(tmp_path):
     """Return a function that makes a Fleet on the corridor A - J - K - B with the siding S; one robot on each lane."""
-    def make(robots, nodes=SIDING, edges=LANES, one_at_nodes=True, **more):
+    def make(robots, nodes=SIDING, edges=LANES, one_at_nodes=True, one_way=(), **more):
         (tmp_path / 'net.yaml').write_text(json.dumps({
             'nodes': [{'name': name, 'x': x, 'y': y} for name, (x, y) in nodes.items()],
-            'edges': [{'from': begin, 'to': end, 'capacity': 1} for begin, end in edges],
+            'edges': [{'from': begin, 'to': end, 'capacity': 1, 'one_way': f'{begin} - {end}' in one_way}
+                      for begin, end in edges],
             **({'node_capacity': 1} if one_at_nodes else {})}))
         return Fleet(make_scenario({
             'lanes': str(tmp_path / 'net.yaml'), 'deadlock': 'avoid', 'defaults': {'routes': 'lanes', 'max_speed': 1.0},
@@ -118,4 +120,59 @@ def test_robots_that_cannot_pass_are_named_once_and_both_wait(fleet_of):
     assert [(one.robot, one.time_ns) for one in told] == [('a', 1_000_000_000)]
     assert 'a to B, b to A' in told[0].text
     assert not rows(fleet, 'ended')
-    assert [row[1:] for row in rows(fleet, 'deadlock')] == [('b', 'deadlock', 'a', 'node K', 'b', 'node J')]
+    assert told[0].text.endswith(' Held until that changes: a, b.')
+    assert [row[1:] for row in rows(fleet, 'deadlock')] == [('b', 'deadlock', 'a', 'lane A - J', 'b', 'lane K - B')]
+    assert [row[1:] for row in rows(fleet, 'entered')] == [('a', 'entered', 'node A'), ('b', 'entered', 'node B')]
+
+
+CROSS = {'A': (0, 0), 'J': (10, 0), 'B': (20, 0), 'C': (10, -10), 'D': (10, 10)}
+#: that J - D is one way makes D a place that a robot must not make way to
+CROSSING = [('A', 'J'), ('J', 'B'), ('C', 'J'), ('J', 'D')]
+
+
+@pytest.mark.parametrize('later', [1.0, 50.0])
+def test_robots_without_a_way_are_held_where_they_do_not_bar_that_of_others(fleet_of, later):
+    fleet = fleet_of([('a', 'A'), ('b', 'B'), ('c', 'C')], CROSS, CROSSING, one_way=['J - D', 'C - J'])
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.run(until=later)
+    fleet.robot('c').send(10.0, 10.0)
+    fleet.run()
+    assert [row[1::3] for row in rows(fleet, 'ended')] == [('c', 'SUCCEEDED')]
+    assert [(pose.x, pose.y) for pose in (robot.navigator.robot.pose_at(fleet.now_ns) for robot in fleet.robots)] == [
+        (0.0, 0.0), (20.0, 0.0), (10.0, 10.0)]
+    assert rows(fleet, 'deadlock')[-1][1:] == ('b', 'deadlock', 'a', 'lane A - J', 'b', 'lane J - B')
+
+
+def test_robots_that_were_held_go_on_when_there_is_a_way_again(fleet_of):
+    fleet = fleet_of([('a', 'A'), ('b', 'B'), ('c', 'C')], CROSS, CROSSING)
+    fleet.robot('a').send(20.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.robot('c').send(10.0, 0.0)
+    fleet.run_for(5.0)
+    fleet.robot('c').cancel()
+    fleet.run()
+    assert sorted(row[1:5:3] for row in rows(fleet, 'ended')) == [
+        ('a', 'SUCCEEDED'), ('b', 'SUCCEEDED'), ('c', 'PREEMPTED')]
+
+
+def test_a_robot_that_makes_way_keeps_a_way_to_its_goal():
+    steps = {'A': {'J': ()}, 'J': {'A': (), 'B': (), 'D': ()}, 'B': {'J': ()}, 'D': {}}
+    net = Net({node: (node,) for node in steps}, steps, dict.fromkeys(steps, 1))
+    assert find_moves(net, ('A', 'J'), ['J', None]) == [(1, 'B'), (0, 'J')]
+    assert find_moves(net, ('A', 'B'), ['B', None]) == [(1, 'J'), (1, 'D'), (0, 'J'), (0, 'B')]
+    assert find_moves(net, ('A', 'B'), ['B', None], goals=['B', 'A']) is None
+    assert find_most(net, ('A', 'B'), ['B', 'A'], 100, ['B', 'A']) == ([], [None, None])
+
+
+@pytest.mark.parametrize('bound, text', [
+    ('MOST_ROBOTS', 'No way out of a jam is searched for more than 1 robots at a time. a, b get places as if each '),
+    ('MOST_STATES', 'The search for a way out of a jam gave up after 1 joint places. a, b get places as if each ')])
+def test_a_bound_that_is_hit_is_named_once(fleet_of, monkeypatch, bound, text):
+    monkeypatch.setattr(ways_out, bound, 1)
+    fleet = fleet_of([('a', 'A'), ('b', 'B')])
+    for _ in range(2):
+        fleet.robot('a').send(30.0, 0.0)
+        fleet.robot('b').send(0.0, 0.0)
+        fleet.run()
+    assert [one.text[:len(text)] for one in fleet.warnings if 'This is said once' in one.text] == [text]

@@ -41,15 +41,17 @@ class TooManyStates(Exception):
     """The search has looked at as many joint places as it may."""
 
 
-def find_moves(net: Net, begin: Joint, wanted: Sequence[Optional[Place]],
-               most: int = MOST_STATES) -> Optional[List[Move]]:
+def find_moves(net: Net, begin: Joint, wanted: Sequence[Optional[Place]], most: int = MOST_STATES,
+               goals: Sequence[Optional[Place]] = ()) -> Optional[List[Move]]:
     """Return [(number of a robot, the place to which it moves), ...], or None if there is no way at all.
 
-    ``begin``: the place of each robot; ``wanted``: where each has to stand at the end, None: anywhere.
+    ``begin``: the place of each robot; ``wanted``: where each has to stand at the end, None: anywhere,
+    but only where a way leads from there to its place in ``goals``, if that is given.
 
     :raises TooManyStates: if there are more than ``most`` joint places to look at.
     """
-    far = [_distances(net, place) for place in wanted]
+    ends = [goal if want is None else want for want, goal in zip(wanted, goals or wanted)]
+    far = [_distances(net, end) for end in ends]
     if any(place not in known for place, known, want in zip(begin, far, wanted) if want is not None):
         return None
     numbers = count()
@@ -69,10 +71,28 @@ def find_moves(net: Net, begin: Joint, wanted: Sequence[Optional[Place]],
         for robot, to in _moves(net, joint):
             after = (*joint[:robot], to, *joint[robot + 1:])
             price = cost[joint] + 1
-            if price < cost.get(after, price + 1) and (wanted[robot] is None or to in far[robot]):
+            if price < cost.get(after, price + 1) and (ends[robot] is None or to in far[robot]):
                 cost[after], came[after] = price, (joint, (robot, to))
                 heappush(open_, (price + _least(after, far, wanted), -price, next(numbers), after))
     return None
+
+
+def find_most(net: Net, begin: Joint, wanted: Sequence[Optional[Place]], most: int,
+              goals: Sequence[Place]) -> Tuple[List[Move], List[Optional[Place]]]:
+    """Return (moves that bring some robots to where they want, where these stand then; None: anywhere).
+
+    One robot after the other is added if there is a way for it together with those before; the others make way.
+
+    :raises TooManyStates: as :func:`find_moves`.
+    """
+    moves: List[Move] = []
+    met: List[Optional[Place]] = [None] * len(wanted)
+    for robot, want in enumerate(wanted):
+        also = [*met[:robot], want, *met[robot + 1:]]
+        found = None if want is None else find_moves(net, begin, also, most, goals)
+        if found is not None:
+            moves, met = found, also
+    return moves, met
 
 
 def _moves(net: Net, joint: Joint) -> List[Move]:

@@ -4,14 +4,16 @@ While all robots can come to the ends of their ways one after the other, each st
 given so that this stays true (:mod:`.safe_states`). Where it is not true, because robots started so or got such goals,
 an exact search over their joint places (:mod:`.joint_search`) looks for moves that bring all of them to their goals. If
 there are any, the robots drive by these moves (:mod:`.moves`). Other robots keep out of the areas of the moves
-until all are made. If there are none, a warning says so once, and places are given as if robots left their goals.
+until all are made. If there are none, a warning says so once. Then moves are looked for that bring some of them there,
+one robot added after the other; the others make way. Those for which there would be no way even if the robots that do
+not take part were away are held where they are.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..goals.events import Warned
-from .joint_search import MOST_STATES, Net, TooManyStates, find_moves
+from .joint_search import MOST_STATES, Net, TooManyStates, find_most, find_moves
 from .lane_places import LanePlaces
 from .moves import Moves
 from .rules import DeadlockPolicy
@@ -20,12 +22,18 @@ from .safe_states import cannot_stay
 if TYPE_CHECKING:
     from .area import Area
     from .control import Traffic
+    from .joint_search import Joint, Move
     from .lane_places import WayOver
     from .traveller import Traveller
 
 
 #: the largest number of robots whose joint places are searched
 MOST_ROBOTS = 5
+
+
+#: what holds if a bound is hit
+_WITHOUT = ('get places as if each robot left its goal when it has reached it, so they may block one another for good. '
+            'This is said once.')
 
 
 class _Start(NamedTuple):
@@ -51,7 +59,8 @@ class WaysOut:
         self._is_due = False  # whether anything has changed on which the safety depends
         self._goals: Dict[Traveller, Tuple[int, int]] = {}  # (the number of its goal, since when it has it [ns])
         self._places: Dict[str, LanePlaces] = {}  # by the file
-        self._tried: Any = None  # the state in which the last search found nothing
+        self._tried: Any = None  # the state in which the last search began
+        self._held_back: Dict[Traveller, bool] = {}  # robots for which there is no way
         self._told: Dict[Any, bool] = {}
 
     @property
@@ -66,8 +75,12 @@ class WaysOut:
         """
         if not self.may_act:
             return False
-        if self._moves is not None and not any(self._left(one, now_ns) for one in self._moves.nodes):
-            self._end_moves()
+        if self._moves is not None:
+            under_way = [one for one in self._moves.nodes if self._left(one, now_ns)]
+            if not under_way:
+                self._end_moves()
+            elif self._are_blocked(self._moves, under_way):
+                self._end_moves(self._tried)
         if self._moves is None and (self._is_due or (not self.is_safe and all(
                 one.navigator.robot.leg is None for one in self._traffic.travellers()))):
             self._look(now_ns)
@@ -78,6 +91,15 @@ class WaysOut:
             else:
                 one.serve(lambda one, at_ns: one.goes_out(at_ns), now_ns)
         return bool(to_start)
+
+    def _are_blocked(self, moves: Moves, under_way: Sequence[Traveller]) -> bool:
+        """Return whether nobody drives, and none of the robots ``under_way`` can begin with another one of the moves.
+
+        This comes about where a robot waits at the border of a zone on its lane: the moves know no such place.
+        """
+        return all(one.navigator.robot.leg is None and one.asked is None for one in self._traffic.travellers()) and all(
+            one.request is not None and not (one.request.is_first() and moves.allows(one, one.request.areas))
+            for one in under_way)
 
     def _may_halt(self, traveller: Traveller, now_ns: int) -> bool:
         """Return whether a driving robot may stop here: not at a node to whose place it has no right any more."""
@@ -103,14 +125,18 @@ class WaysOut:
         return self._moves is not None and traveller in self._moves.nodes
 
     def others(self, traveller: Traveller) -> Tuple[Traveller, ...]:
-        """Return the other robots that drive by the moves."""
-        return () if self._moves is None else tuple(one for one in self._moves.nodes if one is not traveller)
+        """Return the other robots that drive by the moves, or for which there is no way."""
+        return tuple(one for one in (self._held_back if self._moves is None else self._moves.nodes)
+                     if one is not traveller)
 
     def allows(self, traveller: Traveller, areas: Sequence[Area]) -> Optional[bool]:
-        """Return whether a robot may have places in ``areas`` by the moves; None: they say nothing."""
+        """Return whether a robot may have places in ``areas`` by the moves; None: they say nothing.
+
+        A robot for which there is no way may have none.
+        """
         moves = self._moves
         if moves is None:
-            return None
+            return False if traveller in self._held_back else None
         if traveller in moves.nodes:
             return bool(self._left(traveller, self._traffic.simulation.now_ns)) and moves.allows(traveller, areas)
         return False if moves.uses(areas) else None
@@ -155,8 +181,10 @@ class WaysOut:
         if traveller in self._to_start:
             self._to_start.remove(traveller)
 
-    def _end_moves(self) -> None:
+    def _end_moves(self, tried: Any = None) -> None:
+        """End the moves; search anew, but not if all is as it was in the state ``tried``."""
         assert self._moves is not None
+        self._tried = tried
         self._to_start = sorted(self._moves.nodes, key=lambda one: one.rank)
         self._moves, self._is_due = None, True
         self._turning.clear()
@@ -183,30 +211,60 @@ class WaysOut:
         self.is_safe = not stuck
         if stuck:
             self._search(stuck, now_ns)
+        else:
+            self._hold_back(())
 
     def _search(self, stuck: Sequence[Traveller], now_ns: int) -> None:
         starts = self._starts(stuck, now_ns)
         if not starts:
+            self._hold_back(())
             return
         net = self._net(starts)
-        wanted = self._wanted(starts, net)
-        begin = tuple(start.place for start in starts)
         state = [(start.traveller.name, start.goal, tuple(start.traveller.held)) for start in starts], net.room
         if state == self._tried:
             return
-        try:
-            moves = find_moves(net, begin, wanted, MOST_STATES)
-        except TooManyStates:
-            moves = []
+        begin = tuple(start.place for start in starts)
+        moves, without = self._found(starts, net, begin, now_ns)
+        self._hold_back(without)
+        self._tried = state
         if not moves:
-            self._tried = state
-            if moves is None and None not in wanted:
-                self._tell(starts, now_ns)
             return
         to_start = dict.fromkeys(self._to_start, True)
         self._moves = Moves([(start.traveller, start.goal, start.traveller.navigator.goal_number) for start in starts],
                             net, begin, moves)
         self._to_start = sorted({**to_start, **dict.fromkeys(self._moves.nodes, True)}, key=lambda one: one.rank)
+
+    def _found(self, starts: Sequence[_Start], net: Net, begin: Joint,
+               now_ns: int) -> Tuple[List[Move], List[Traveller]]:
+        """Return (the moves, the robots for which there is no way)."""
+        wanted, goals = self._wanted(starts, net), [start.goal for start in starts]
+        without: List[Traveller] = []
+        most = MOST_STATES
+        try:
+            moves = find_moves(net, begin, wanted, most, goals)
+            if moves is not None:
+                return moves, without
+            most //= MOST_ROBOTS  # for each of the searches that follow
+            moves, met = find_most(net, begin, wanted, most, goals)
+            alone = net._replace(room={area: area.capacity or 0 for area in net.room})
+            without = [start.traveller for number, start in enumerate(starts) if met[number] is None and find_moves(
+                alone, begin, [*met[:number], start.goal, *met[number + 1:]], most, goals) is None]
+        except TooManyStates:
+            moves = []
+            self._tell('states', [start.traveller for start in starts], now_ns, (
+                'The search for a way out of a jam gave up after {:,} joint places. {} {}').format(
+                    most, _names(start.traveller for start in starts), _WITHOUT))
+        if most < MOST_STATES and None not in wanted:
+            self._tell_no_way(starts, without, now_ns)
+        return moves, without
+
+    def _hold_back(self, travellers: Iterable[Traveller]) -> None:
+        held_back = dict.fromkeys(travellers, True)
+        if held_back != self._held_back:
+            self._held_back = held_back
+            self._traffic.changed()
+            for one in held_back:
+                self._traffic.look_at(one)
 
     def _starts(self, stuck: Sequence[Traveller], now_ns: int) -> List[_Start]:
         """Return the robots that take part, in the order in which they got their goals."""
@@ -216,6 +274,9 @@ class WaysOut:
         if len(driving) <= MOST_ROBOTS:
             concerned = driving
         elif len(concerned) > MOST_ROBOTS:
+            self._tell('robots', concerned, now_ns, (
+                'No way out of a jam is searched for more than {} robots at a time. {} {}').format(
+                    MOST_ROBOTS, _names(concerned), _WITHOUT))
             return []
         concerned = [one for one in concerned if one.lanes.source == concerned[0].lanes.source]  # type: ignore[union-attr]
         found = [start for start in (self._start(one, now_ns) for one in concerned) if start is not None]
@@ -267,13 +328,22 @@ class WaysOut:
             wanted.append(start.goal if is_free else None)
         return wanted
 
-    def _tell(self, starts: Sequence[_Start], now_ns: int) -> None:
-        key = tuple(sorted((start.traveller.name, start.goal) for start in starts))
-        if key in self._told:
-            return
-        self._told[key] = True
-        first = min((start.traveller for start in starts), key=lambda one: one.rank)
-        first.tell(Warned(now_ns, first.name, (
+    def _tell_no_way(self, starts: Sequence[_Start], without: Sequence[Traveller], now_ns: int) -> None:
+        pairs = tuple(sorted((start.traveller.name, start.goal) for start in starts))
+        self._tell(pairs, [start.traveller for start in starts], now_ns, (
             'There is no order of moves in which these robots all come to their goals: {}. Each place has room for so '
-            'few that they cannot pass one another, unless a robot leaves its goal.').format(
-                ', '.join('{} to {}'.format(*one) for one in key))))
+            'few that they cannot pass one another, unless a robot leaves its goal.{}').format(
+                ', '.join('{} to {}'.format(*one) for one in pairs),
+                ' Held until that changes: {}.'.format(_names(without)) if without else ''))
+
+    def _tell(self, key: Any, travellers: Iterable[Traveller], now_ns: int, text: str) -> None:
+        """Warn once for each ``key``, on behalf of the first robot by name."""
+        if key not in self._told:
+            self._told[key] = True
+            first = min(travellers, key=lambda one: one.rank)
+            first.tell(Warned(now_ns, first.name, text))
+
+
+def _names(travellers: Iterable[Traveller]) -> str:
+    names = [one.name for one in sorted(travellers, key=lambda one: one.rank)]
+    return ', '.join(names[:10]) + (' and {} more'.format(len(names) - 10) if len(names) > 10 else '')
