@@ -120,6 +120,10 @@ class WaysOut:
         self._is_due = True
         self._traffic.serve(now_ns)
 
+    def keeps_more(self) -> None:
+        """Note that a robot will keep places at the end of its way that it was not known to keep."""
+        self._is_due = self._is_active
+
     def solves(self, traveller: Traveller) -> bool:
         """Return whether moves lead a robot, so that it waits in no circle."""
         return self._moves is not None and traveller in self._moves.nodes
