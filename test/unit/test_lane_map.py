@@ -49,6 +49,12 @@ def test_a_topological_map_is_lanes_that_lead_one_way_each():
         ('A', 'B', 0.3, True), ('B', 'A', None, True)]
 
 
+def test_the_config_of_a_topological_map_of_early_2021_is_a_mapping_with_a_top_speed():
+    early = topological()
+    early['nodes'][0]['node']['edges'][0]['config'] = {'inflation_radius': 0.0, 'top_vel': 0.55}
+    assert [edge.speed for edge in make_lane_map(early).edges] == [0.55, None]
+
+
 def test_a_topological_map_in_a_frame_of_its_own_is_brought_into_its_parents():
     transformation = {'parent': 'map', 'child': 'topo_map', 'translation': {'x': 10.0, 'y': 0.0, 'z': 0.0},
                       'rotation': TURNED['orientation']}

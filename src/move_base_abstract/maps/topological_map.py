@@ -3,7 +3,7 @@
 They have nodes, and edges in one direction each. A tmap is the bare list of the nodes of a tmap2, and its edges have a
 ``top_vel`` in the place of a ``config``; or it is a text: for each node the lines `node:`, its name, `waypoint:` with
 x, y, z, qx, qy, qz, qw, `edges:` with a node and an action each, `vertices:`. An orientation of zeros only, which these
-files have, is the yaw 0.
+files have, is the yaw 0. In a tmap2 of early 2021, a ``config`` is a mapping with a ``top_vel``.
 
 The format is described at https://github.com/LCAS/topological_navigation. We use the name and the pose of a node, the
 nodes to which its edges lead, and the top speed that ``config`` of an edge sets for a local planner. A node whose
@@ -107,8 +107,12 @@ def _pose(position: Dict[str, float], orientation: Dict[str, float], may_be_zero
 def _edges(node: Dict[str, Any]) -> List[Dict[str, Any]]:
     edges: Dict[Any, Any] = {}
     for edge in node.get('edges') or ():
-        speeds = [as_number(entry['value']) for entry in edge.get('config') or () if entry['name'] in _SPEEDS]
-        top_vel = as_number(edge.get('top_vel') or 0.0)
+        config = edge.get('config') or ()
+        has_top_vel = edge
+        if isinstance(config, dict):  # a tmap2 of early 2021
+            has_top_vel, config = config, ()
+        speeds = [as_number(entry['value']) for entry in config if entry['name'] in _SPEEDS]
+        top_vel = as_number(has_top_vel.get('top_vel') or 0.0)
         speeds += [top_vel] if top_vel > 0.0 else []  # others mean the default of who follows the edge
         speed = {'speed': min(speeds)} if speeds else {}
         edges.setdefault(edge['node'], {'from': node['name'], 'to': edge['node'], 'one_way': True, **speed})
