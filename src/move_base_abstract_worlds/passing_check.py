@@ -47,6 +47,11 @@ def check_passing(world: World) -> Iterator[Finding]:
                 len(ends), _MOST_PLACES), os.path.basename(net.source), 'check a part of the net')
         else:
             yield from _bars(net, places, list(ends), len(starts))
+        if places.same:
+            yield Finding('not_checked', 'robots that pass', 'nodes {} and {} are at one point, so nobody can tell at '
+                          'which of them a robot is; for the same reason deadlock: avoid searches no way out of '
+                          'jams'.format(*places.same), node_place(net, places.same[0]), 'one node for both')
+            continue
         yield from _pairs(world, net, places, {name: node for name, node in starts.items() if node is not None})
 
 

@@ -5,7 +5,7 @@ import yaml
 from move_base_abstract_worlds.check import findings_of
 from move_base_abstract_worlds.world import read_world
 
-NODES = {'A': (0, 0), 'J': (10, 0), 'K': (20, 0), 'B': (30, 0), 'S': (10, 5)}
+NODES = {'A': (0, 0), 'J': (10, 0), 'K': (20, 0), 'B': (30, 0), 'S': (10, 5), 'T': (10, 5.005)}
 CORRIDOR = ['AJ', 'JK', 'KB']
 
 
@@ -31,6 +31,10 @@ def test_two_robots_in_a_corridor_without_a_siding_cannot_pass(tmp_path):
 @pytest.mark.parametrize('lanes, capacity', [([*CORRIDOR, 'JS'], 1), (CORRIDOR, 2), (CORRIDOR, None)])
 def test_with_a_siding_or_with_room_at_the_nodes_they_can(lanes, capacity, tmp_path):
     assert found(tmp_path, lanes, 'AB', capacity) == []
+
+
+def test_where_two_nodes_are_at_one_point_it_is_not_checked(tmp_path):
+    assert [one[:2] for one in found(tmp_path, [*CORRIDOR, 'JS', 'JT'], 'AB')] == [('not_checked', 'robots that pass')]
 
 
 def test_zones_count_as_the_places_of_nodes(tmp_path):

@@ -165,6 +165,16 @@ def test_a_robot_that_makes_way_keeps_a_way_to_its_goal():
     assert find_most(net, ('A', 'B'), ['B', 'A'], 100, ['B', 'A']) == ([], [None, None])
 
 
+def test_a_net_with_two_nodes_at_one_point_is_not_searched_and_a_warning_says_so(fleet_of):
+    fleet = fleet_of([('a', 'A'), ('b', 'B')], {**SIDING, 'T': (10, 5.005)}, [*LANES, ('J', 'T')])
+    fleet.robot('a').send(30.0, 0.0)
+    fleet.robot('b').send(0.0, 0.0)
+    fleet.run()
+    text = 'No way out of a jam is searched, because the nodes S and T are at one point. a, b get places as if each '
+    assert [one.text[:len(text)] for one in fleet.warnings if 'This is said once' in one.text] == [text]
+    assert not rows(fleet, 'broken_off')
+
+
 @pytest.mark.parametrize('bound, text', [
     ('MOST_ROBOTS', 'No way out of a jam is searched for more than 1 robots at a time. a, b get places as if each '),
     ('MOST_STATES', 'The search for a way out of a jam gave up after 1 joint places. a, b get places as if each ')])

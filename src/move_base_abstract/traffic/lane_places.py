@@ -41,6 +41,8 @@ class LanePlaces:
             for name, pose in lanes.nodes.items()}
         self.steps: Dict[str, Dict[str, Tuple[Area, ...]]] = {name: {} for name in lanes.nodes}
         self._edges: Dict[Tuple[str, str], int] = {}
+        #: the first two nodes that are at one point, so that nobody can tell at which of them a robot is; ()
+        self.same: Tuple[str, ...] = _at_one_point(lanes)
         self.on_edges: List[Tuple[Area, ...]] = []
         for index, edge in enumerate(lanes.edges):
             own = area_of(index)
@@ -111,6 +113,17 @@ class LanePlaces:
         yaw = math.atan2(pose.y - corner[1], pose.x - corner[0])
         return WayOver(PlannedWay([point for point, _, _ in pieces[:-1]], [limit for _, limit, _ in pieces],
                                   [index for _, _, index in pieces]), Pose2D(pose.x, pose.y, yaw))
+
+
+def _at_one_point(lanes: LaneMap) -> Tuple[str, ...]:
+    nodes = sorted(lanes.nodes.items(), key=lambda one: (one[1].x, one[1].y))
+    for number, (name, pose) in enumerate(nodes):
+        for other, its in nodes[number + 1:]:
+            if its.x - pose.x > NEAR:
+                break
+            if math.hypot(its.x - pose.x, its.y - pose.y) <= NEAR:
+                return name, other
+    return ()
 
 
 def _counted(areas: Sequence[Area]) -> Tuple[Area, ...]:

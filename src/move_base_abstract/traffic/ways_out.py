@@ -220,7 +220,12 @@ class WaysOut:
 
     def _search(self, stuck: Sequence[Traveller], now_ns: int) -> None:
         starts = self._starts(stuck, now_ns)
-        if not starts:
+        same = self._places_of(starts[0].traveller).same if starts else ()
+        if same:
+            self._tell('same', [start.traveller for start in starts], now_ns, (
+                'No way out of a jam is searched, because the nodes {} and {} are at one point. {} {}').format(
+                    *same, _names(start.traveller for start in starts), _WITHOUT))
+        if same or not starts:
             self._hold_back(())
             return
         net = self._net(starts)
