@@ -233,7 +233,8 @@ class EventQueue:
         turn: Optional[int] = None  # in a turn of users' calls: how many of those that were to be told are left
         while later or soon or ends or self._decisions or (self._when_quiet and decides):
             heap = soon if soon and (not later or soon[0] < later[0]) else later
-            if (self._decisions or self._when_quiet) and self._is_time_to_decide(heap, turn, present.now_ns, open_ns):
+            if (self._decisions or self._when_quiet and not (heap and heap[0][3].keeps_going is None)) and (
+                    self._is_time_to_decide(heap, turn, present.now_ns, open_ns)):
                 turn = None
                 self._take_decision(instant_by_instant, until_ns)
                 continue
@@ -244,13 +245,12 @@ class EventQueue:
             if not heap or heap[0][0] > end_ns:
                 break
             due_ns, robot_index, _, event = heap[0]
-            if event.action is None:  # cancelled
-                heappop(heap)
-                continue
             if until_ns is None and self.ever_waits and due_ns != entered_ns and not self.is_busy():
                 return
             heappop(heap)
             action, event.action = event.action, None
+            if action is None:  # cancelled
+                continue
             if due_ns != entered_ns or turn is None:
                 entered_ns, turn = due_ns, len(ends) if robot_index >= USERS else None
             if heap is later:

@@ -201,8 +201,7 @@ class Request:
 
     def goes_on_alone(self) -> bool:
         """Return whether a robot that drives may go on if no other one asks: nobody waits, and all areas have room."""
-        return self.traveller.asked is self and not self.traveller.is_careful and self.has_room() and not any(
-            area.queue for area in self.areas)
+        return self.traveller.asked is self and self.has_room() and not any(area.queue for area in self.areas)
 
     def line_up(self) -> None:
         """Enter the queues, or take another place there, by the present priority of the robot."""

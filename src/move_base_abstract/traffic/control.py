@@ -22,7 +22,7 @@ from .circles import name_standstill
 from .nodes import NodeAreas
 from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
-from .safe_states import SafeStates, first_to_go_on
+from .safe_states import SafeStates, first_to_go_on, is_plainly_safe
 from .traveller import Traveller
 from .way import ZoneIndex
 from .ways_out import WaysOut
@@ -66,7 +66,8 @@ class Traffic:
         self._asking: List[Request] = []  # what robots have asked for at this instant
         self._new: List[Request] = []  # those of them for which there was no place so far
         self._to_look_at: Dict[Traveller, bool] = {}  # robots that may close a circle, or may give way in theirs now
-        self._has_moved = False  # whether anything has changed on which SafeStates depend
+        self._asks_safe_states = rules.policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT)
+        self._has_moved = False  # whether anything has changed on which SafeStates depend, if these are asked
         #: has robots of a jam drive out of it (WaysOut)
         self.ways_out: WaysOut = WaysOut(self)
 
@@ -233,7 +234,7 @@ class Traffic:
     def changed(self, *areas: Area) -> None:
         """Note that other robots hold places in ``areas``, or wait for one; :meth:`serve` will report it."""
         self._is_told = False
-        self._has_moved = True
+        self._has_moved = self._asks_safe_states
         for area in areas:
             area.changed()
 
@@ -261,8 +262,7 @@ class Traffic:
 
     def serve(self, now_ns: int) -> None:
         """At the end of this instant, let in the robots for which there is a place, and report what has changed."""
-        if not self._is_due and (self._asking or self._dirty or self._to_look_at or not self._is_told
-                                 or self.ways_out.may_act):
+        if not self._is_due and (self._is_undecided() or self._to_look_at or (self._followers and not self._is_told)):
             self._is_due = True
             self.simulation.queue.decide(now_ns, self._decide)
 
@@ -274,12 +274,12 @@ class Traffic:
         rest is decided anew.
         """
         try:
-            while self.ways_out.acts(now_ns) or self._let_in(now_ns) or self._let_in_safely(
-                    now_ns) or self._turn_away(now_ns):
+            while self._is_undecided() and (self.ways_out.acts(now_ns) or self._let_in(now_ns) or self._let_in_safely(
+                    now_ns) or self._turn_away(now_ns)):
                 pass
-            self._look_again(now_ns)
+            if self._to_look_at:
+                self._look_again(now_ns)
             self._is_due = False
-            self.simulation.queue.when_quiet(self._stands_still)
         except Exception as error:
             self._is_due = False
             concerned = self._concerned()
@@ -291,6 +291,9 @@ class Traffic:
             self._is_told = True
             for changed in self._followers:
                 changed()
+
+    def _is_undecided(self) -> bool:
+        return bool(self._asking or self._dirty or self._new or self._has_moved or self.ways_out.may_act)
 
     def _stands_still(self, now_ns: int, _now_ns: int) -> None:
         try:
@@ -306,17 +309,21 @@ class Traffic:
 
     def _let_in(self, now_ns: int) -> bool:
         """Let in the first robot that may go on where anything has changed; return whether anything has followed."""
-        alone = self._asking[0] if len(self._asking) == 1 and not self._dirty and not self._new else None
-        if alone is not None and alone.goes_on_alone():  # the usual case, which needs no queue
-            self._asking.clear()
-            alone.traveller.serve(Traveller.go_on, now_ns)
+        if len(self._asking) == 1 and not self._dirty and not self._new and self._goes_on_alone(self._asking[0]):
+            alone = self._asking.pop().traveller
+            is_careful = alone.is_careful
+            alone.serve(Traveller.go_on, now_ns)
+            self._has_moved = self._has_moved and not is_careful  # after a careful one: nobody waits
             return True
+        if not self._asking and not self._dirty:
+            return False
+        self.simulation.queue.when_quiet(self._stands_still)
         while self._asking:
             request = self._asking[0]
             if request.traveller.asked is request:
                 request.line_up()
                 self._new.append(request)
-                self._has_moved = True
+                self._has_moved = self._asks_safe_states
                 self._ask_in(request.areas)
             del self._asking[0]
         self._dirty = [area for area in self._dirty if area.queue]
@@ -330,9 +337,16 @@ class Traffic:
             one.traveller.serve(lambda one, at_ns: one.circles.look(at_ns), now_ns)
         return bool(self._dirty or self._asking)
 
+    def _goes_on_alone(self, request: Request) -> bool:
+        """Return whether ``request``, the only one of this instant, can be granted at once: the usual case."""
+        one = request.traveller
+        return request.goes_on_alone() and (not one.is_careful or (
+            all(other.request is None for other in self._travellers)
+            and self.ways_out.allows(one, request.areas) is None and is_plainly_safe(self._travellers, one)))
+
     def _turn_away(self, now_ns: int) -> bool:
         """Hold the first of the robots that have asked at this instant; return whether there was one."""
-        self._new = sorted(one for one in self._new if one.traveller.asked is one)
+        self._new = sorted(one for one in self._new if one.traveller.asked is one) if self._new else []
         if not self._new:
             return False
         self._new[0].traveller.serve(Traveller.waits, now_ns)
@@ -345,7 +359,7 @@ class Traffic:
 
     def _let_in_safely(self, now_ns: int) -> bool:
         """Let in the first robot, in the order of requests, for which that is safe; return whether there was one."""
-        if not self._has_moved or self.rules.policy not in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT):
+        if not self._has_moved:
             return False
         self._has_moved = False
         request = first_to_go_on(self._travellers, self.ways_out)

@@ -41,11 +41,12 @@ def needs_and_keeps(ahead: Sequence[Crossing], held: Dict[Area, bool]) -> Tuple[
 def is_in_the_way(travellers: Iterable[Traveller]) -> bool:
     """Return whether any robot stands, or will stand at the end of its way, where another one has to come."""
     travellers = list(travellers)
+    keeping = [(one, area) for one in travellers for area in (one.held if one.keeps is None else one.keeps)
+               if area.capacity is not None]
     needed: Dict[Area, int] = {}
-    for one in travellers:
+    for one in travellers if keeping else ():
         _count(needed, one.needs)
-    return any(area.capacity is not None and needed.get(area, 0) > (area in one.needs)
-               for one in travellers for area in (one.held if one.keeps is None else one.keeps))
+    return any(needed.get(area, 0) > (area in one.needs) for one, area in keeping)
 
 
 def cannot_stay(travellers: Iterable[Traveller], taker: Optional[Traveller] = None,
@@ -98,16 +99,22 @@ def first_to_go_on(travellers: Iterable[Traveller], ways_out: WaysOut) -> Option
 
     Where the moves of ``ways_out`` say whether it may, they count.
     """
-    waiting = sorted(one.wants for one in travellers if one.is_careful and one.wants is not None)
+    waiting = [one.asked or one.request for one in travellers if one.is_careful and (one.asked or one.request)]
     if not waiting:
         return None
     states = SafeStates(travellers, ways_out.is_safe)
-    for request in waiting:
+    for request in sorted(one for one in waiting if one is not None):
         if request.is_first():
             allowed = ways_out.allows(request.traveller, request.areas)
             if states.allows_request(request) if allowed is None else allowed:
                 return request
     return None
+
+
+def is_plainly_safe(travellers: Iterable[Traveller], taker: Traveller) -> bool:
+    """Return True if :meth:`SafeStates.allows` surely lets ``taker`` go on: it needs nobody, and nobody needs it."""
+    return all(_has_room(area, len(area.holders), area in taker.held) for area in taker.needs) and not is_in_the_way(
+        travellers)
 
 
 class SafeStates:
