@@ -14,6 +14,7 @@ from move_base_abstract.traffic.circles import Circles
 from move_base_abstract.traffic.control import Traffic
 from move_base_abstract.traffic.traveller import Traveller
 from move_base_abstract.traffic.waiting import WaitingGraph, reasons_of
+from move_base_abstract.traffic.ways_out import WaysOut
 from small_worlds import LargeWorld, SmallWorld
 from traces import rows
 
@@ -126,6 +127,17 @@ def test_a_robot_that_waits_for_nothing_is_named_when_the_fleet_becomes_quiet(tm
     assert 'although nothing keeps it out' in fleet.warnings[-1].text
     fleet.write_log(tmp_path / 'run.jsonl')
     assert [one.property for one in judge(Run(str(tmp_path / 'run.jsonl')))] == ['no_standstill', 'every_goal_ends']
+
+
+def test_a_robot_that_no_way_out_of_a_jam_lets_go_on_is_no_error_of_ours(monkeypatch):
+    monkeypatch.setattr(WaysOut, 'allows', lambda *_: False)
+    fleet = Fleet(make_scenario({'zones': CROSSING, 'deadlock': 'avoid', 'robots': [
+        {'name': 'a', 'start_x': 3.0, 'max_speed': 1.0}]}), start_ns=0)
+    fleet.robot('a').send(8.0, 0.0)
+    fleet.run()
+    assert rows(fleet, 'deadlock') == [(1.0, 'a', 'deadlock', 'a', 'zone east')]
+    assert [one.text for one in fleet.warnings] == [
+        'Robots wait for one another in a circle: a for zone east, which would cut a off.']
 
 
 def test_a_robot_that_waits_for_one_that_stands_without_a_goal_is_no_standstill():

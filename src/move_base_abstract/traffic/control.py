@@ -207,11 +207,14 @@ class Traffic:
                 self._dirty.append(area)
 
     def against(self, request: Request) -> Tuple[Traveller, ...]:
-        """Return the robots of which one must go on before a careful robot may have its places; (): it may."""
+        """Return the robots of which one must go on before a careful robot may have its places; (): it may.
+
+        A robot for which alone there is no way out of a jam is against itself.
+        """
         allowed = self.ways_out.allows(request.traveller, request.areas)
         if allowed is None:
             return self.safe_states().against(request)
-        return () if allowed else self.ways_out.others(request.traveller)
+        return () if allowed else self.ways_out.others(request.traveller) or (request.traveller,)
 
     def safe_states(self) -> SafeStates:
         """Return the SafeStates of the present, valid until anything changes."""
