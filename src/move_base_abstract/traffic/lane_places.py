@@ -61,11 +61,17 @@ class LanePlaces:
                     None)
 
     def edge_at(self, x: float, y: float, held: Mapping[Area, bool]) -> Optional[int]:
-        """Return the index of the edge on which (x, y) [m] is, or None; first of those in whose area a robot is."""
+        """Return the index of the edge on which (x, y) [m] is, or None; first of those in whose area a robot is.
+
+        Then those come at whose other node it has its place: it has just set out.
+        """
         found = [index for index, edge in enumerate(self._lanes.edges) if _piece_at(edge.points, (x, y)) is not None]
         held_on = [index for index in found if any(
             area in held and area.outline is None for area in self.on_edges[index])]
-        return next(iter([*held_on, *found]), None)
+        here = self.node_at(x, y)
+        towards = [index for index in found if any(area in held and area.point is not None for end in self.all_ends_of(
+            index) if end != here for area in self.areas[end])]
+        return next(iter([*held_on, *towards, *found]), None)
 
     def ends_of(self, edge: int, held: Mapping[Area, bool]) -> Tuple[str, ...]:
         """Return the nodes to which a robot on an edge may go: the one ahead if it holds its place there already."""
