@@ -155,6 +155,7 @@ def test_whoever_stands_in_a_quiet_fleet_waits_in_a_named_circle_or_for_a_robot_
     for seed in [*range(part * count, (part + 1) * count), *also]:
         fleet = SmallWorld(seed, tmp_path).run(until=20_000.0)
         assert not fleet.simulation.queue.is_busy(), seed
+        assert fleet.traffic.ways_out._moves is None, seed  # moves that nobody can begin with any more have ended
         waiting = [one.request for one in fleet.traffic._travellers if one.request is not None]
         names = [one.traveller.name for one in waiting]
         assert names == [robot.name for robot in fleet.robots if robot.navigator.is_active], seed
