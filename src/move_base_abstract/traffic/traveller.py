@@ -276,10 +276,10 @@ class Traveller(Holder):
 
     def _note_needs(self) -> None:
         if self._traffic.rules.policy in _SAFE:  # nobody asks otherwise, and this comes at each crossing
-            before = self.keeps
+            needed, kept = self.needs, self.keeps
             self.needs, self.keeps = needs_and_keeps(self._crossings, self.held)
-            if self.keeps and self.keeps != before:
-                self._traffic.ways_out.keeps_more()
+            if any(area not in needed for area in self.needs) or self.keeps and self.keeps != kept:
+                self._traffic.ways_out.needs_more()
 
     def _enters(self) -> Tuple[Area, ...]:
         return tuple([area for area in self._crossings[0].enters if area not in self.held])

@@ -120,8 +120,8 @@ class WaysOut:
         self._is_due = True
         self._traffic.serve(now_ns)
 
-    def keeps_more(self) -> None:
-        """Note that a robot will keep places at the end of its way that it was not known to keep."""
+    def needs_more(self) -> None:
+        """Note that a robot needs places on its way, or keeps them at its end, of which that was not known."""
         self._is_due = self._is_active
 
     def solves(self, traveller: Traveller) -> bool:
