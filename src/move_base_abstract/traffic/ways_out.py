@@ -59,7 +59,7 @@ class WaysOut:
         self._is_due = False  # whether anything has changed on which the safety depends
         self._goals: Dict[Traveller, Tuple[int, int]] = {}  # (the number of its goal, since when it has it [ns])
         self._places: Dict[str, LanePlaces] = {}  # by the file
-        self._tried: Any = None  # the state in which the last search began
+        self._tried: List[Any] = []  # the states in which the last searches began that led to nothing
         self._held_back: Dict[Traveller, bool] = {}  # robots for which there is no way
         self._told: Dict[Any, bool] = {}
 
@@ -185,10 +185,10 @@ class WaysOut:
         if traveller in self._to_start:
             self._to_start.remove(traveller)
 
-    def _end_moves(self, tried: Any = None) -> None:
-        """End the moves; search anew, but not if all is as it was in the state ``tried``."""
+    def _end_moves(self, tried: Sequence[Any] = ()) -> None:
+        """End the moves; search anew, but not if all is as it was in a state of ``tried``."""
         assert self._moves is not None
-        self._tried = tried
+        self._tried = list(tried)
         self._to_start = sorted(self._moves.nodes, key=lambda one: one.rank)
         self._moves, self._is_due = None, True
         self._turning.clear()
@@ -230,12 +230,12 @@ class WaysOut:
             return
         net = self._net(starts)
         state = [(start.traveller.name, start.goal, tuple(start.traveller.held)) for start in starts], net.room
-        if state == self._tried:
+        if state in self._tried:
             return
         begin = tuple(start.place for start in starts)
         moves, without = self._found(starts, net, begin, now_ns)
         self._hold_back(without)
-        self._tried = state
+        self._tried = [*self._tried[-9:], state]
         if not moves:
             return
         to_start = dict.fromkeys(self._to_start, True)
