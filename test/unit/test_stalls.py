@@ -386,7 +386,7 @@ def test_no_robot_is_ever_inside_of_a_wall_or_another_robot(seed):
         if fleet.now_ns == 0:
             inside = inside_now  # a random cell may be where one starts
         assert inside_now <= inside
-    assert len(stalls(fleet)) > 5
+    assert len(stalls(fleet)) > 2
 
 
 @pytest.mark.parametrize('seed', range(times(2, 50)))

@@ -63,6 +63,13 @@ def test_what_a_script_prints_is_not_kept(tmp_path):
     assert [one.name for one in found] == ['/b'] and most < 5_000_000
 
 
+def test_nodes_are_waited_for_whatever_becomes_of_their_output(tmp_path, monkeypatch):
+    monkeypatch.setattr(unrolled, '_RUN', unrolled._RUN.replace('printf', '/bin/sleep 0.1; printf'))
+    path = tmp_path / 'x'
+    path.write_text('#!/bin/bash\nrosrun a b >> log 2>&1 &\nrosrun a c >/dev/null 2>&1 &\n')
+    assert len(unrolled.nodes_of(str(path), [], {}, lambda *_: None)[0]) == 2
+
+
 def test_a_script_changes_nothing_and_what_it_is_refused_is_told(tmp_path):
     kept = tmp_path / 'kept'
     kept.write_text('kept')
