@@ -23,7 +23,7 @@ _LARGEST_SCRIPT = 1 << 16  # bytes: it is one argument of a program
 _WRITTEN = re.compile(r'(?:\d|&)?>>?\s*(?!&)[^\s&;|)]+')
 _REFUSED = re.compile(r'(line \d+: .*): (?:command not found|restricted|readonly variable)')
 _MOST_TOLD = 5
-#: before the script: `kill` and `history -w` act beyond it; a restricted bash refuses the others, which do no harm here.
+#: before the script: `kill` and `history -w` act beyond it; a restricted bash refuses the others, which do no harm.
 #: What it starts with `2>&1 &` holds nothing open until whose end somebody waits: so bash itself waits.
 _BEFORE = 'enable -n kill history fc; cd() { :; }; source() { :; }; exec() { "$@"; }; trap wait EXIT; '
 _READERS = ('basename', 'cat', 'cut', 'dirname', 'expr', 'grep', 'head', 'rospack', 'seq', 'tail', 'tr', 'uname', 'wc')
