@@ -389,7 +389,7 @@ def test_no_robot_is_ever_inside_of_a_wall_or_another_robot(seed):
     assert len(stalls(fleet)) > 2
 
 
-@pytest.mark.parametrize('seed', range(times(2, 50)))
+@pytest.mark.parametrize('seed', [*range(times(2, 50)), 27])  # 27: one touches two others at one instant
 def test_the_rows_do_not_depend_on_the_order_of_robots_or_on_when_somebody_looks(seed):
     def found(*arguments):
         return sorted(tuple(row) for row in last_of(seed, *arguments).trace)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
+from ..common.ros_names import natural_order
 from ..motion.pieces import Piece, pose_of, stand
 from .contact import FREE, NEARER, REACH, Course, Limit, Shape, disc, first_touch, gap_of, limit_of
 from .driver import WALL
@@ -28,12 +29,13 @@ class Contacts:
 
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
-        self._bodies: Dict[int, Body] = {}
+        self._bodies: Dict[int, Body] = {}  # in the order of their names
 
     def join(self, driver: Driver, frame: str, shape: Shape) -> None:
         """Add the robot of ``driver`` (Driver), which stands: a body of ``shape`` (Shape) in the global ``frame``."""
         robot = driver.robot
         body = driver.body = self._bodies[robot.index] = Body(self, driver, frame, shape)
+        self._bodies = dict(sorted(self._bodies.items(), key=lambda one: natural_order(one[1].robot.name)))
         body.moved(self.simulation.now_ns)
         robot.follow(body.moved)
 
@@ -48,7 +50,7 @@ class Contacts:
         return self._bodies.get(body.robot.index) is body
 
     def others(self, body: Body, now_ns: int) -> List[Body]:
-        """Return the other robots of the same world whose clock shows ``now_ns`` [ns], too."""
+        """Return the other robots of the same world whose clock shows ``now_ns`` [ns], too, by name."""
         return [other for other in self._bodies.values()
                 if other is not body and other.frame == body.frame and other.since_ns <= now_ns]
 
@@ -73,7 +75,7 @@ class Contacts:
                         touch_ns - 1, now_ns, one, _Meeting(one, two))
 
     def retry(self, body: Body, now_ns: int) -> None:
-        """Have the robots that stand because they touch this one try again, in the order of robots."""
+        """Have the robots that stand because they touch this one try again."""
         for other in self._bodies.values():
             if other.stands_at is body:
                 self._schedule(now_ns, now_ns, other, other.driver.retry)
@@ -147,6 +149,10 @@ class Body:
         spans = self.spans(self.motion, now_ns, until_ns)
         return _meeting_ns(self, spans, other, other.spans(None, now_ns, until_ns), now_ns) is not None
 
+    def first_near(self, now_ns: int) -> Optional[Body]:
+        """Return, of all that the robot :meth:`nears`, the one whose name comes first, or None."""
+        return next((other for other in self._contacts.others(self, now_ns) if self.nears(other, now_ns)), None)
+
     def may_meet(self, other: Body, now_ns: int) -> bool:
         """Return whether the robot may touch ``other`` in the next LOOK_NS, by the distance of both."""
         ways = self.way_ahead(now_ns) + other.way_ahead(now_ns)
@@ -183,6 +189,7 @@ class _Meeting:
         """Let them stall, in the order of robots."""
         moving = [(body, other) for body, other in self._pair if body.motion is not None]
         stalling = [(body, other) for body, other in moving if body.nears(other, now_ns)] or moving
+        stalling = [(body, body.first_near(now_ns) or other) for body, other in stalling]
         for body, other in stalling:
             body.driver.stall(now_ns, other.robot.name)
         for body, other in stalling:  # only now, so that the stall of the one is no reason for the other to try again
