@@ -320,6 +320,21 @@ def test_what_is_decided_at_the_end_of_an_instant_can_be_left_until_all_has_come
     assert told[3:] == [(5, 3), (5, 'decided')] and simulation.next_due_ns() == 6
 
 
+def test_a_cancelled_event_changes_no_order_where_something_is_to_be_done_when_all_is_quiet():
+    queue, told = EventQueue(), []
+    tell = queue.tell_at_end(USERS, told.append)
+    cancelled = queue.schedule(5, 3, lambda *_: None, keeps_going=lambda: False)
+
+    def act(due_ns, _now_ns):
+        cancelled.cancel()
+        tell('user')
+        queue.schedule(due_ns, 4, lambda *_: told.append('robot'), keeps_going=lambda: False)
+    queue.schedule(5, 1, act)
+    queue.when_quiet(lambda *_: told.append('quiet'))
+    queue.run_until(5, SimpleNamespace(now_ns=0))
+    assert told == ['robot', 'user', 'quiet']
+
+
 def test_what_users_calls_cause_is_decided_after_all_of_those_of_one_turn():
     simulation, told = Simulation(0), []
     queue = simulation.queue

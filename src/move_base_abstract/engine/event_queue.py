@@ -233,6 +233,9 @@ class EventQueue:
         turn: Optional[int] = None  # in a turn of users' calls: how many of those that were to be told are left
         while later or soon or ends or self._decisions or (self._when_quiet and decides):
             heap = soon if soon and (not later or soon[0] < later[0]) else later
+            if heap and heap[0][3].action is None:  # cancelled
+                heappop(heap)
+                continue
             if (self._decisions or self._when_quiet and not (heap and heap[0][3].keeps_going is None)) and (
                     self._is_time_to_decide(heap, turn, present.now_ns, open_ns)):
                 turn = None
@@ -244,19 +247,16 @@ class EventQueue:
                 continue
             if not heap or heap[0][0] > end_ns:
                 break
-            due_ns, robot_index, _, event = heap[0]
-            if until_ns is None and self.ever_waits and due_ns != entered_ns and not self.is_busy():
+            if until_ns is None and self.ever_waits and heap[0][0] != entered_ns and not self.is_busy():
                 return
-            heappop(heap)
+            due_ns, robot_index, _, event = heappop(heap)
             action, event.action = event.action, None
-            if action is None:  # cancelled
-                continue
             if due_ns != entered_ns or turn is None:
                 entered_ns, turn = due_ns, len(ends) if robot_index >= USERS else None
             if heap is later:
                 self._instant_ns, present.now_ns = max(due_ns, self._instant_ns), max(due_ns, present.now_ns)
             try:
-                action(due_ns, due_ns if instant_by_instant else until_ns)  # type: ignore[arg-type]
+                action(due_ns, due_ns if instant_by_instant else until_ns)  # type: ignore[arg-type,misc]
             except Exception as error:
                 self._break_off(robot_index, error)
         self._instant_ns = max(self._instant_ns, -1 if until_ns is None else until_ns)
@@ -271,8 +271,6 @@ class EventQueue:
 
     def _falls_quiet(self, heap: List[_Entry], now_ns: int) -> bool:
         """If this instant is over, and is the last one, have done what is to be done then; return whether it is so."""
-        while heap and heap[0][3].action is None:
-            heappop(heap)
         if (heap and (heap[0][0] <= now_ns or heap[0][3].keeps_going is None)) or self.is_busy():
             return False
         self._decisions.extend((now_ns, action) for action in self._when_quiet)
