@@ -350,3 +350,36 @@ def test_what_users_calls_cause_is_decided_after_all_of_those_of_one_turn():
     queue.schedule(1, USERS + 2, lambda *_: call('y'))
     simulation.run()
     assert told == ['decided', 'x', 'a', 'b', 'c', 'y', *('decided for ' + name for name in 'xabcy')]
+
+
+def test_a_turn_of_users_calls_is_as_long_when_it_comes_first_or_follows_one_that_decides_nothing():
+    simulation, told = Simulation(0), []
+    queue = simulation.queue
+
+    def call(name):
+        told.append(name)
+        if len(name) == 1:
+            queue.schedule(0, 0, lambda *_: tell(name + name))
+        elif name == 'aa':
+            queue.decide(0, lambda *_: told.append('decided'))
+    tell = queue.tell_at_end(USERS, call)
+    for name in 'abc':
+        tell(name)
+    simulation.run()
+    assert told == ['a', 'b', 'c', 'aa', 'bb', 'cc', 'decided']
+
+
+def test_a_robot_s_event_amid_the_first_turn_of_users_calls_does_not_make_it_longer():
+    simulation, told = Simulation(0), []
+    queue = simulation.queue
+
+    def call(name):
+        told.append(name)
+        if name == 'a':
+            queue.schedule(0, 0, lambda *_: tell('aa'))
+            queue.decide(0, lambda *_: told.append('decided'))
+    tell = queue.tell_at_end(USERS, call)
+    for name in 'ab':
+        tell(name)
+    simulation.run()
+    assert told == ['a', 'b', 'decided', 'aa']

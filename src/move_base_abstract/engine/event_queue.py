@@ -242,7 +242,7 @@ class EventQueue:
                 self._take_decision(instant_by_instant, until_ns)
                 continue
             if ends and not (heap and heap[0][:2] <= (present.now_ns, self._end_index)):
-                turn = max(0, (len(ends) if turn is None else turn) - 1)
+                turn, entered_ns = (turn or len(ends)) - 1, present.now_ns
                 self._take_end(present.now_ns, present.now_ns if instant_by_instant else until_ns)
                 continue
             if not heap or heap[0][0] > end_ns:
