@@ -148,3 +148,27 @@ def test_a_run_that_cannot_go_on_says_which_orders_are_not_done_and_why():
     assert dispatch.fleet.warnings[-1] == (5 * S, '/dispatcher', '', (
         'The run cannot go on: 3 orders are not done: a with r_0, held for zone east; b with r_1, held for zone west; '
         'c with nobody'))
+
+
+LOW = {'battery_capacity': 1.0, 'battery_start': 0.4, 'charging_current': 10.0, 'friction_coefficient': 0.0}
+
+
+def test_a_robot_that_cannot_reach_a_charger_is_sent_to_another_one_at_the_same_instant():
+    zones = [{'name': name, 'rectangle': [-1.0, y - 1.0, 1.0, y + 1.0], 'charger': True}
+             for name, y in (('shut', 20.0), ('open', -30.0))]
+    dispatch = dispatch_of(robots=1, zones=zones, world_bounds=[-100.0, -100.0, 100.0, 10.0], **LOW,
+                           dispatcher={'charge_below': 0.5})
+    dispatch.run(until=100.0)
+    assert told(dispatch, 'charge_assigned', 'charging_began') == [
+        (0.0, 'r_0', 'charge_assigned', 'shut', 'low'), (0.0, 'r_0', 'charge_assigned', 'open', 'low'),
+        (30.0, 'r_0', 'charging_began', 'open')]
+
+
+def test_a_robot_at_home_in_a_charger_is_to_make_room_and_does_orders_all_the_same():
+    zone = {'name': 'plug', 'rectangle': [-1.0, -1.0, 1.0, 1.0], 'charger': True, 'capacity': 1}
+    dispatch = dispatch_of(zones=[zone], **LOW, dispatcher={'charge_below': 0.5})
+    dispatch.run(until=200.0)
+    dispatch.order(order('one', (20.0, 0.0)))
+    dispatch.run(until=300.0)
+    assert told(dispatch, 'order_assigned', 'charge_assigned') == [
+        (200.0, 'r_0', 'order_assigned', 'one', 1), (200.0, 'r_1', 'charge_assigned', 'plug', 'low')]

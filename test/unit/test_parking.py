@@ -38,6 +38,15 @@ def test_a_robot_on_its_way_to_park_takes_an_order_at_once_and_parks_after_it():
     assert dispatch.fleet.robot('r_0').pose.y == 50.0
 
 
+def test_a_robot_parks_after_an_order_that_is_done_at_the_instant_at_which_it_was_sent_to_park():
+    dispatch = dispatch_of(robots=1, places=[FAR_LOT], dispatcher=PARK)
+    dispatch.run(until=0.0)
+    dispatch.order(order('here', (0.0, 0.0)))
+    dispatch.run()
+    assert parked(dispatch) == [(0.0, 'r_0', 'far')] * 2
+    assert dispatch.fleet.robot('r_0').pose.y == 50.0
+
+
 def test_a_robot_that_starts_at_a_parking_place_holds_its_room_and_one_that_is_placed_elsewhere_gives_it_back():
     lot = {'name': 'lot', 'x': 10.0, 'parking': True, 'capacity': 1}
     dispatch = dispatch_of(places=[lot], dispatcher=PARK)

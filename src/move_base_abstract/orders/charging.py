@@ -15,7 +15,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 
 from ..motion.geometry import Pose2D
 from . import rows
-from .fleet_state import AT_CHARGER, FREE, HOMING, PARKING, TO_CHARGER, RobotState
+from .fleet_state import AT_CHARGER, FREE, HOME, HOMING, PARKING, TO_CHARGER, RobotState
 from .look_ahead import LookAhead
 from .parking import Parking
 from .policies import Distance, OpenOrder
@@ -82,8 +82,7 @@ class Charging:
         if robot.phase == TO_CHARGER and succeeded and robot.is_charging:
             robot.phase = AT_CHARGER
             return
-        if robot.phase == TO_CHARGER:
-            robot.tried_now[robot.charger] = now_ns  # not again at this instant
+        robot.tried_now[robot.charger if robot.phase == TO_CHARGER else HOME] = now_ns  # not again at this instant
         self.leave(robot)
         robot.phase = FREE
 
@@ -129,15 +128,15 @@ class Charging:
                 continue
             room = self._chargers[robot.charger].capacity if robot.charger else None
             is_awaited = room is not None and taken[robot.charger] > room  # a robot waits at its border
-            if (waiters or is_awaited) and robot.phase == AT_CHARGER and not robot.is_below(
-                    self._settings.charge_full or 0.0):
+            if (waiters or is_awaited) and robot.phase == AT_CHARGER and robot.tried_now.get(HOME) != now_ns and (
+                    not robot.is_below(self._settings.charge_full or 0.0)):
                 if is_awaited:
                     taken[robot.charger] -= 1
                 else:
                     waiters.pop()
                 self.leave(robot)
                 if not self._parking.go(robot, robots, now_ns):
-                    self._send(robot, robot.home, 'home.{}'.format(now_ns))
+                    self._send(robot, robot.home, robot.new_id('home', now_ns))
                     robot.phase = HOMING
             elif robot.phase == FREE and self._settings.charge_when_idle and not waiters and robot.is_below(
                     self._settings.charge_when_idle):
@@ -148,7 +147,7 @@ class Charging:
     def _go(self, robot: RobotState, charger: Charger, why: str, now_ns: int) -> None:
         robot.phase, robot.charger, robot.awaits_charger_since = TO_CHARGER, charger.name, None
         self._tell(robot.name, 'charge_assigned', charger.name, why)
-        self._send(robot, charger.pose, 'charge.{}'.format(now_ns))
+        self._send(robot, charger.pose, robot.new_id('charge', now_ns))
 
     def _nearest(self, robot: RobotState, robots: Sequence[RobotState], now_ns: int) -> Optional[Charger]:
         taken = _taken(robots)

@@ -15,6 +15,7 @@ STUCK = 'stuck'
 #: what a robot does (its phase). OTHERS: it has a goal that the dispatcher did not send
 FREE, DRIVING, WORKING, TO_CHARGER, AT_CHARGER, HOMING, PARKING, OTHERS = (
     'free', 'driving', 'working', 'to charger', 'at charger', 'homing', 'parking', 'taken')
+HOME = ''  # among the names of chargers and places
 #: the kinds of rows that a dispatcher needs
 HEARD = ('stands', 'departed', 'ended', 'task_ended', 'battery', 'failed', 'repaired', 'charging_began',
          'charging_ended')
@@ -80,13 +81,21 @@ class RobotState:
     wants: int = 0  # if it must charge, the charge [millionths] that it needs at least to be free again
     charge: Optional[int] = None  # the least that its charge may be now [millionths], None: it has no battery
     below: Dict[float, bool] = field(default_factory=dict)  # {level: whether its charge is below it}
-    #: {charger or parking place: instant [ns] at which the way to it failed}
+    #: {charger, parking place or HOME: instant [ns] at which the way to it failed, or to HOME, ended}
     tried_now: Dict[str, int] = field(default_factory=dict)
+    sent: Dict[str, Tuple[int, int]] = field(default_factory=dict)  # {purpose: (instant [ns] of the last goal, number)}
 
     @property
     def is_out_of_order(self) -> bool:
         """Whether it can do nothing now: it has failed, or its battery is empty."""
         return self.has_failed or self.is_empty
+
+    def new_id(self, purpose: str, now_ns: int) -> str:
+        """Return an id for a goal of no order, one that the robot has not had; with a used one it would not go."""
+        last_ns, number = self.sent.get(purpose, (now_ns - 1, 0))
+        number = number + 1 if last_ns == now_ns else 1
+        self.sent[purpose] = now_ns, number
+        return '{}.{}'.format(purpose, now_ns) + ('.{}'.format(number) if number > 1 else '')
 
     def is_below(self, level: float) -> bool:
         """Return whether the charge is below ``level``, one of the levels; that of a robot without battery never is."""

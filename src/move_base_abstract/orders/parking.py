@@ -56,7 +56,7 @@ class Parking:
         if place is None:
             return False
         self._tell(robot.name, 'park_assigned', place.name)
-        self._send(robot, place.pose, 'park.{}.{}'.format(place.name, now_ns))
+        self._send(robot, place.pose, robot.new_id('park.' + place.name, now_ns))
         robot.phase, robot.parking = PARKING, place.name
         return True
 
