@@ -102,6 +102,12 @@ def test_long_blocks_are_robots_that_are_stuck_so_there_are_none_beside_them(tmp
     assert longest[0] < 10.0 and longest[1] > 30.0
 
 
+def test_a_law_that_says_nothing_of_other_robots_leaves_encounters_as_they_are(tmp_path):
+    walls = {'source': 'test', 'patience': 16.4, 'by_clearance': [[0.4, 0.0]]}
+    one, other = (two(tmp_path, walls, encounters=BLOCKED, failure_kind=kind) for kind in ('calibrated', 'none'))
+    assert one.trace == other.trace and max(row[-1] for row in rows(one, 'encounter')) > 30.0
+
+
 def test_only_robots_that_are_to_get_stuck_do(tmp_path):
     one, other = (two(tmp_path, law, failure_kind='none') for law in (ALWAYS, None))
     assert one.trace == other.trace and not rows(one, 'failed')

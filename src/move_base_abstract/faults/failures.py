@@ -152,4 +152,4 @@ def read_failures(values: Mapping[str, Any], where: str, law: Optional[StuckLaw]
             repair = None if law.free_mean is None else Gamma(law.free_mean, 1.0)
     rates = tuple((cause, values[key]) for cause, key in _RATES.items() if values[key])
     return Failures(kind, rates, values['failure_times'], repair, by_clearance,
-                    _PATIENCE if patience is None else patience, law)
+                    _PATIENCE if patience is None else patience, law if law and law.by_nearest else None)

@@ -52,9 +52,10 @@ class StuckLaw:
     def draw(self, nearest: float, uniform: Callable[[Purpose, int], float]) -> Optional[Tuple[bool, bool]]:
         """Return whether each of two robots that meet keeps its goal while it is stuck; None: they do not get stuck.
 
-        ``nearest`` [m]: the smallest distance between them; ``uniform(purpose, place)`` gives the draws in (0, 1).
+        The law needs ``by_nearest``. ``nearest`` [m]: the smallest distance between them; ``uniform(purpose, place)``
+        gives the draws in (0, 1).
         """
-        if not self.by_nearest or uniform(Purpose.ENCOUNTER, _STUCK) >= along(self.by_nearest, nearest):
+        if uniform(Purpose.ENCOUNTER, _STUCK) >= along(self.by_nearest, nearest):
             return None
         first, second = (uniform(Purpose.ENCOUNTER, place) < self.keep_chance for place in _KEEPS)
         return first, second
