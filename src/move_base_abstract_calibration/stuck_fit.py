@@ -82,9 +82,13 @@ def fit_stuck(cases: Cases, radius: float) -> Fitted:
 
     :raises ConfigurationError: if there are too few cases to fit anything.
     """
-    values: Dict[str, Any] = {'patience': float(np.median(cases.patience)) if cases.patience else 0.0}
+    values: Dict[str, Any] = {}
     rows: List[Row] = []
     notes: List[str] = []
+    if cases.patience:
+        values['patience'] = float(np.median(cases.patience))
+    else:
+        notes.append('patience: not fitted: no robot gave up a goal where it stood')
     for name, trials, reach, words in (('by_nearest', cases.meetings, radius, 'encounters'),
                                        ('by_clearance', cases.ways, CLEARANCE, 'legs, at walls')):
         curve = fit_chance(trials, reach)
@@ -97,7 +101,7 @@ def fit_stuck(cases: Cases, radius: float) -> Fitted:
             values[name] = curve.table()
             rows.extend(curve.rows(name))
     if not rows or not cases.patience:
-        raise ConfigurationError('stuck: {}'.format('; '.join(notes or ['no robot gave up a goal where it stood'])))
+        raise ConfigurationError('stuck: {}'.format('; '.join(notes)))
     if 'by_nearest' in values and cases.gave_up:
         kept = len(cases.gave_up) - sum(cases.gave_up)
         values['keep_chance'] = kept / len(cases.gave_up)
@@ -110,8 +114,8 @@ def _fit_end(cases: Cases, values: Dict[str, Any], rows: List[Row], notes: List[
     """Add the mean time after which robots come free by themselves, as a Poisson process, if some did."""
     freed = sum(one.freed for one in cases.contacts)
     seconds = math.fsum(one.end - one.begin for one in cases.contacts)
-    low, high = (stats.chi2.ppf(level, 2 * count) / 2.0 for level, count in zip(_LEVELS, (freed, freed + 1)))
     if freed:
+        low, high = (stats.chi2.ppf(level, 2 * count) / 2.0 for level, count in zip(_LEVELS, (freed, freed + 1)))
         values['free_mean'] = seconds / freed
         rows.append(Row('free_mean', seconds / freed, seconds / high, seconds / low, False))
     elif seconds:

@@ -64,6 +64,8 @@ def test_a_fit_without_enough_cases_says_so_with_the_figure():
     assert 'none of 1 pairs came free in 500 s; the mean time is at least 167 s' in about_end
     with pytest.raises(ConfigurationError, match='by_nearest: not fitted: robots got stuck in 9 of 500 encounters'):
         fit_stuck(cases._replace(meetings=few), 3.0)
+    with pytest.raises(ConfigurationError, match='stuck: patience: not fitted: no robot gave up a goal'):
+        fit_stuck(cases._replace(patience=[]), 3.0)
     freed = fit_stuck(cases._replace(contacts=[Contact(('a', 'b'), 0.0, 90.0, True)] * 4), 3.0)
     row = freed.rows[-1]
     assert freed.values['free_mean'] == row.value == 90.0 and row.low == pytest.approx(35.2, abs=0.1)
