@@ -59,13 +59,14 @@ def _parse(words: Optional[Sequence[str]]) -> argparse.Namespace:
     parser.add_argument('-o', '--output', metavar='FILE.yaml', default=_YAML,
                         help='the calibration (default: %(default)s); the page is FILE.html beside it. Only files '
                         'of this program are replaced')
-    parser.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing; print how well this file (or '
-                        'a calibration that ships, by name) predicts the recordings')
-    parser.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
-                        'recordings of several robots, and add it to the values of this file (or of a calibration '
-                        'that ships)')
-    parser.add_argument('--stuck', metavar='CALIBRATION', help='fit how robots get stuck to such folders, and add it '
-                        'to the values of this file')
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument('--predict', metavar='CALIBRATION', help='fit and write nothing; print how well this file (or '
+                      'a calibration that ships, by name) predicts the recordings')
+    what.add_argument('--encounters', metavar='CALIBRATION', help='fit the law of encounters to folders of '
+                      'recordings of several robots, and add it to the values of this file (or of a calibration '
+                      'that ships)')
+    what.add_argument('--stuck', metavar='CALIBRATION', help='fit how robots get stuck to such folders, and add it '
+                      'to the values of this file')
     parser.add_argument('--touch', type=POSITIVE, metavar='M', default=0.52, help='with --stuck: robots touch if their '
                         'centres are no further apart (default: %(default)g m)')
     parser.add_argument('--map', metavar='MAP.yaml', help='use lengths and turns of the ways that the simulator plans '

@@ -53,6 +53,11 @@ class Row(NamedTuple):
     high: float
     held: bool
 
+    def line(self) -> str:
+        """Return the line of a result."""
+        return '  {:18s} {:8.3g}   95 %: {:.3g} to {:.3g}{}'.format(
+            *self[:4], '   held by the prior' if self.held else '')
+
 
 class Fitted(NamedTuple):
     """The result of a fit: ``values`` of the section, ``rows`` ([Row]), ``counts`` {kind: number of encounters}."""

@@ -88,9 +88,7 @@ def _renumbered(chosen: Sequence[MetLeg], legs: Sequence[MetLeg]) -> List[MetLeg
 def lines(fitted: Fitted, scores: Sequence[MapScore]) -> Iterator[str]:
     """Yield the lines of the result: the values with their intervals, and how well maps are predicted by others."""
     yield 'encounters: {}'.format(', '.join('{} {}'.format(count, kind) for kind, count in fitted.counts.items()))
-    for row in fitted.rows:
-        yield '  {:18s} {:8.3g}   95 %: {:.3g} to {:.3g}{}'.format(
-            row.name, row.value, row.low, row.high, '   held by the prior' if row.held else '')
+    yield from (row.line() for row in fitted.rows)
     for one in scores:
         yield ('{}, by all other maps: {} legs that met, measured / predicted {:.3f} (without encounters {:.3f}), '
                'logarithm of the likelihood {:+.1f}'.format(

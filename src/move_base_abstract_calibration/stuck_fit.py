@@ -188,9 +188,7 @@ def calibrate_stuck(folders: Sequence[str], name: str, robot_radius: float,
 
 def lines(fitted: Fitted, cases: Cases, radius: float) -> Iterator[str]:
     """Yield the lines of the result: the values with their intervals, and how well missions are predicted by others."""
-    for row in fitted.rows:
-        yield '  {:18s} {:8.3g}   95 %: {:.3g} to {:.3g}{}'.format(
-            row.name, row.value, row.low, row.high, '   held by the prior' if row.held else '')
+    yield from (row.line() for row in fitted.rows)
     yield '  {:18s} {:8.3g}   s, the median of {}'.format('patience', fitted.values['patience'], len(cases.patience))
     for note in fitted.notes:
         yield '  ' + note

@@ -173,3 +173,9 @@ def test_calibrate_says_what_it_lacks(tmp_path, capsys):
             command.main([str(tmp_path), '--stuck', 'move_base_dwa_stage', '-o', str(tmp_path / 'new.yaml')])
         assert end.value.code == 2 and text in capsys.readouterr().err
         write_poses(tmp_path, {0: lambda t: (14.8, 5.0)})
+
+
+def test_calibrate_adds_one_section_at_a_time(tmp_path, capsys):
+    with pytest.raises(SystemExit) as end:
+        command.main([str(tmp_path), '--stuck', 'move_base_dwa_stage', '--encounters', 'move_base_dwa_stage'])
+    assert end.value.code == 2 and 'not allowed with argument --stuck' in capsys.readouterr().err
