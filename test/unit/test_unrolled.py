@@ -49,7 +49,25 @@ def test_a_script_that_does_not_end_is_ended_and_what_it_has_started_counts(tmp_
     path.write_text('#!/bin/sh\nrosrun a b &\nwait\nwhile :; do sleep 1; done\n')
     path.chmod(0o755)
     assert unrolled.nodes_of(str(path), [], {}, lambda *_: None) == (
-        [unrolled.Unrolled('/b', 'a/b', '')], '; while they were looked for, it could not do this: end within 0.5 s')
+        {'/b': 'a/b'}, '; while they were looked for, it could not do this: end within 0.5 s')
+
+
+def test_a_node_is_added_once_and_one_that_no_option_could_add_is_told(package):
+    package('scripts/start.sh', """#!/bin/bash
+for i in 1 2 3; do rosrun of_a_stranger b __name:=/b2 & done
+rosrun of_a_stranger scripts/b.py "text:=a b" &
+rosrun of_a_stranger b __name:=1² & rosrun of_a_stranger b "__name:=x y" & rosrun "of a" b &
+""", 0o755)
+    made = adopt(package('one.launch', FILE))
+    assert made.options.add == {'/b': "of_a_stranger/b.py 'text:=a b'", '/b2': 'of_a_stranger/b'}
+    line, = (line for line in made.remarks if '/start' in line)
+    assert 'starts 2 nodes' in line and line.count("start 'of_a_stranger/b' as '/") == 2
+    assert "'/1\\xb2'" in line and "start 'of a/b' as '/b'" in line
+
+
+def test_a_script_that_starts_nothing_is_told(package):
+    package('scripts/start.sh', '#!/bin/bash\nif then\nrosrun of_a_stranger b &\n', 0o755)
+    assert any('starts 0 nodes' in line for line in adopt(package('one.launch', FILE)).remarks)
 
 
 def test_what_a_script_prints_is_not_kept(tmp_path):
@@ -60,7 +78,7 @@ def test_what_a_script_prints_is_not_kept(tmp_path):
     found, _ = unrolled.nodes_of(str(path), [], {}, lambda *_: None)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert [one.name for one in found] == ['/b'] and most < 5_000_000
+    assert [*found] == ['/b'] and most < 5_000_000
 
 
 def test_nodes_are_waited_for_whatever_becomes_of_their_output(tmp_path, monkeypatch):
@@ -86,6 +104,6 @@ rosrun a c
 """.format(tmp_path))
     path.chmod(0o644)
     nodes, refused = unrolled.nodes_of(str(path), [], {}, lambda *_: None)
-    assert nodes == [unrolled.Unrolled('/b', 'a/b', ''), unrolled.Unrolled('/c', 'a/c', '')]
+    assert nodes == {'/b': 'a/b', '/c': 'a/c'}
     assert ': line 3: rm; line 3: /bin/rm; ' in refused and refused.endswith('; and more')
     assert kept.read_text() == 'kept' and sorted(one.name for one in tmp_path.iterdir()) == ['kept', 'x']

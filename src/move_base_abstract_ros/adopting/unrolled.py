@@ -11,11 +11,13 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from typing import NamedTuple
+
+from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.ros_names import natural_order
+from move_base_abstract.lockstep.run_options import ADDED, NODE
 
 _IN_BACKGROUND = re.compile(r'^[^#\n]*\brosrun\s+\S.*&[ \t]*$', re.MULTILINE)
-_NODE = re.compile(r'\binit_node\(\s*["\'](\w+)["\']')
-_NUMBERS = re.compile(r'(\d+)')
+_NAMED = re.compile(r'\binit_node\(\s*["\'](\w+)["\']')
 _NAME = '__name:='
 _LONGEST = 10.0  # s, wall
 _LARGEST = 1 << 20  # bytes of a program
@@ -29,14 +31,6 @@ _BEFORE = 'enable -n kill history fc; cd() { :; }; source() { :; }; exec() { "$@
 _READERS = ('basename', 'cat', 'cut', 'dirname', 'expr', 'grep', 'head', 'rospack', 'seq', 'tail', 'tr', 'uname', 'wc')
 _RUN = '#!/bin/sh\nprintf "%s\\0" "$ROS_NAMESPACE" "$@" > "${0%/*}/noted/$$"\n'
 _SILENT = '#!/bin/sh\nexit 0\n'
-
-
-class Unrolled(NamedTuple):
-    """A node that a script starts: its full ``name``, PACKAGE/TYPE, and its arguments as one text."""
-
-    name: str
-    program: str
-    arguments: str
 
 
 def starts_several(path):
@@ -53,23 +47,28 @@ def _text_of(path):
 
 
 def nodes_of(path, words, params, find_node):
-    """Return the Unrolled nodes that a script starts, in the order of their names, and a text: what it was refused.
+    """Return {full name: 'PACKAGE/TYPE ARGUMENTS'} of the nodes that a script starts, and a text: what it was refused.
 
     ``words``: its arguments; ``params``: {full name: value} of the launch file; ``find_node``: returns the path of the
     program of a package and a type, or None.
     """
-    found = []
+    found = {}
     noted, refused = _noted(path, words, params)
     for namespace, *started in noted:
         if len(started) >= 2:
             package, kind, *others = started
+            kind = kind.rpartition('/')[2]  # roslaunch finds it by its name
             named = [word[len(_NAME):] for word in others if word.startswith(_NAME)]
             name = named[0] if named else _name_in(find_node(package, kind)) or kind.partition('.')[0]
-            found.append(Unrolled('/'.join(['', *filter(None, [namespace.strip('/'), name])]), package + '/' + kind,
-                                  ' '.join(shlex.quote(word) for word in others if not word.startswith(_NAME))))
-    return sorted(found, key=lambda one: [
-        int(part) if part.isdigit() else part for part in _NUMBERS.split(one.name)]), '' if not refused else (
-            '; while they were looked for, it could not do this: ' + '; '.join(refused))
+            name = '/'.join(['', *filter(None, [namespace.strip('/'), name.strip('/')])])
+            added = ' '.join([package + '/' + kind, *[
+                shlex.quote(word) for word in others if not word.startswith(_NAME)]])
+            try:
+                found[NODE.check('', name)] = ADDED.check('', added)  # ROS has one of a name
+            except ConfigurationError:
+                refused.append('start {} as {}'.format(ascii(added), ascii(name)))
+    return {name: found[name] for name in sorted(found, key=natural_order)}, '' if not refused else (
+        '; while they were looked for, it could not do this: ' + '; '.join(refused))
 
 
 def _noted(path, words, params):
@@ -87,8 +86,8 @@ def _noted(path, words, params):
         noted = []
         for name in sorted(os.listdir(os.path.join(folder, 'noted'))):
             with open(os.path.join(folder, 'noted', name), encoding='utf-8', errors='replace') as stream:
-                noted.append(stream.read().split('\0')[:-1])
-        return noted, refused
+                noted.append(tuple(stream.read().split('\0')[:-1]))
+        return sorted(filter(None, dict.fromkeys(noted))), refused  # one that was ended before it noted has nothing
 
 
 def _run_restricted(path, words, folder):
@@ -125,5 +124,5 @@ def _name_in(path):
     if path is None:
         return ''
     with open(path, 'rb') as stream:
-        found = _NODE.search(stream.read(_LARGEST).decode('utf-8', 'replace'))
+        found = _NAMED.search(stream.read(_LARGEST).decode('utf-8', 'replace'))
     return found.group(1) if found else ''

@@ -212,11 +212,11 @@ class _Adoption:
         found, refused = unrolled.nodes_of(path, poses.words_of(node.args), self.values(),
                                            lambda package, kind: roles.program_of(Node(package, kind)))
         self._leave(node, 'it is a shell script that starts {} nodes, as a restricted run of it has shown; they are '
-                    'added{}'.format(len(found), refused), is_loss=bool(refused))
-        for name, program, arguments in found:
-            self.added[name] = '{} {}'.format(program, arguments).rstrip()
-            self.done.append('{} is added: {}'.format(name, self.added[name]))
-            self._is_older(Node(*program.split('/')))
+                    'added{}'.format(len(found), refused), is_loss=bool(refused) or not found)
+        for name, added in found.items():
+            self.added[name] = added
+            self.done.append('{} is added: {}'.format(name, added))
+            self._is_older(Node(*given.split(added)[:2]))
 
     def _is_older(self, node):
         """Return whether a node takes part and its package is written for Python 2: then it is translated."""
