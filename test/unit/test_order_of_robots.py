@@ -114,10 +114,13 @@ def test_with_failures_batteries_and_chargers(seed):
 @pytest.mark.parametrize('part', range(4))
 def test_in_small_worlds_where_nodes_have_places_and_spots(tmp_path, part):
     count = times(60, 2_000) // 4
-    # 662: two jams in turn whose moves nobody can begin with; 1326: one has set out on a lane without a capacity
-    also = times([662, 1326], []) if part == 0 else []
+    # 662: two jams in turn whose moves nobody can begin with; 1326: one has set out on a lane without a capacity; 3238:
+    # one that was on the way to its spot is led elsewhere
+    also = [*times([662, 1326], []), 3238] if part == 0 else []
     for seed in [*range(part * count, (part + 1) * count), *also]:
         world = SmallWorld(seed, tmp_path)
+        if seed in also:
+            world.raw['deadlock'] = 'avoid'
         path, dice = tmp_path / 'net.yaml', random.Random(seed)
         net = json.loads(path.read_text())
         for node in net['nodes']:

@@ -50,8 +50,9 @@ class Travel:
         self._gate: Optional[Traveller] = None
         #: limited(start, corners, goal) returns the way with its speed limits; None: there are no limits
         self.limited: Optional[Callable[[Pose2D, Corners, Pose2D], Corners]] = None
-        #: to_spot(start, corners, target) returns the way to where the robot is to stand, and its end; None: the target
-        self.to_spot: Optional[Callable[[Pose2D, Corners, Pose2D], Tuple[Corners, Pose2D]]] = None
+        #: to_spot(start, corners, end, is_aside) returns the way to where the robot has to stand, and its end; None:
+        #: there are no spots
+        self.to_spot: Optional[Callable[[Pose2D, Corners, Pose2D, bool], Tuple[Corners, Pose2D]]] = None
         #: the pose in the global frame that the robot works on, or None
         self.target: Optional[Pose2D] = None
         #: the reasons for which the robot is held, as texts in the order in which they came; empty: it may travel
@@ -109,8 +110,8 @@ class Travel:
             return
         robot = self._robot
         place: Pose2D = aside or self.target  # type: ignore[assignment]  # it has one; a call of _aimed costs more
-        if self.to_spot is not None and aside is None:
-            corners, place = self.to_spot(robot.pose_at(now_ns), corners, place)
+        if self.to_spot is not None:
+            corners, place = self.to_spot(robot.pose_at(now_ns), corners, place, aside is not None)
         try:
             if self.limited is not None:
                 corners = self.limited(robot.pose_at(now_ns), corners, place)

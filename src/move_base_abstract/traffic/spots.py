@@ -65,15 +65,17 @@ class Standing:
             spot = node.spot(self._traveller, (pose.x, pose.y)) if node in self._traveller.held else None
             if spot is not None and math.dist(spot, (pose.x, pose.y)) > NEAR:
                 yaw = math.atan2(spot[1] - pose.y, spot[0] - pose.x)
-                self._aims = None
                 self._travel.change_way(now_ns, PlannedWay((), [_FREE], [None]), Pose2D(*spot, yaw))
                 return True
         return False
 
-    def _to_spot(self, start: Pose2D, corners: Any, target: Pose2D) -> Tuple[Any, Pose2D]:
-        """Return the way from ``start`` to the robot's spot at the node of ``target``, and its end; see Travel."""
+    def _to_spot(self, start: Pose2D, corners: Any, target: Pose2D, is_aside: bool) -> Tuple[Any, Pose2D]:
+        """Return the way from ``start`` to the robot's spot at the node of ``target``, and its end; see Travel.
+
+        A way aside stays as it is. The robot then drives to no spot for its goal.
+        """
         self._aims = None
-        for node in self._nodes.at(target.x, target.y):
+        for node in () if is_aside else self._nodes.at(target.x, target.y):
             spot = node.spot(self._traveller, (target.x, target.y))
             if spot is not None:
                 self._aims = node, spot
