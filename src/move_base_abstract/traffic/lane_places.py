@@ -44,8 +44,8 @@ class LanePlaces:
         #: the first two nodes that are at one point, so that nobody can tell at which of them a robot is; ()
         self.same: Tuple[str, ...] = _at_one_point(lanes)
         self.on_edges: List[Tuple[Area, ...]] = []
-        for index, edge in enumerate(lanes.edges):
-            own = area_of(index)
+        self._own = [area_of(index) for index in range(len(lanes.edges))]
+        for index, (edge, own) in enumerate(zip(lanes.edges, self._own)):
             on_edge = _counted([*([] if own is None else [own]), *(stay.area for stay in zones.stays(edge.points))])
             self.on_edges.append(on_edge)
             for begin, end in [(edge.begin, edge.end)] + [(edge.end, edge.begin)] * (not edge.one_way):
@@ -61,13 +61,12 @@ class LanePlaces:
                     None)
 
     def edge_at(self, x: float, y: float, held: Mapping[Area, bool]) -> Optional[int]:
-        """Return the index of the edge on which (x, y) [m] is, or None; first of those in whose area a robot is.
+        """Return the index of the edge on which (x, y) [m] is, or None; first of those in whose own area a robot is.
 
         Then those come at whose other node it has its place: it has just set out.
         """
         found = [index for index, edge in enumerate(self._lanes.edges) if _piece_at(edge.points, (x, y)) is not None]
-        held_on = [index for index in found if any(
-            area in held and area.outline is None for area in self.on_edges[index])]
+        held_on = [index for index in found if self._own[index] in held]
         here = self.node_at(x, y)
         towards = [index for index in found if any(area in held and area.point is not None for end in self.all_ends_of(
             index) if end != here for area in self.areas[end])]
