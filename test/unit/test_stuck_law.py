@@ -64,6 +64,19 @@ def test_some_keep_their_goals_and_stand(tmp_path):
     assert not rows(fleet, 'ended') and fleet.robot('a').activity == 'failed: stall'
 
 
+@pytest.mark.parametrize('keep_chance', [0.0, 1.0])
+def test_one_that_is_moved_away_comes_free(tmp_path, keep_chance):
+    fleet = two(tmp_path, {**ALWAYS, 'keep_chance': keep_chance})
+    fleet.robot('a').place(fleet.robot('a').pose)
+    assert not rows(fleet, 'repaired')
+    fleet.robot('a').place(Pose2D(0.0, 50.0, 0.0))
+    assert [row[1] for row in rows(fleet, 'repaired')] == ['a']
+    fleet.robot('a').send(10.0, 50.0)
+    fleet.run(400 * S)
+    assert rows(fleet, 'ended')[-1][1:5] == ('a', 'ended', 'a-2', 'SUCCEEDED')
+    assert fleet.robot('b').activity.startswith('failed')
+
+
 def test_they_come_free_by_themselves_if_the_recordings_say_so(tmp_path):
     free = two(tmp_path, {**ALWAYS, 'keep_chance': 1.0, 'free_mean': 20.0})
     assert [row[1] for row in rows(free, 'repaired')] and {row[4] for row in rows(free, 'ended')} == {'SUCCEEDED'}

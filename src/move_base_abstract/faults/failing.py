@@ -94,8 +94,8 @@ class Failing:
             if kind == ABORT:
                 rest.callback(self._navigator.disable, self.REASON, FAILED, now_ns)
             else:
-                if kind == STUCK:
-                    rest.callback(self._giving_up.begin, now_ns)
+                if kind == STUCK or cause == ENCOUNTER:
+                    rest.callback(self._giving_up.begin, now_ns, kind != STUCK)
                 rest.callback(self._navigator.travel.hold, self.REASON, now_ns)
                 if kind == SILENT:
                     rest.callback(self._navigator.go_silent)
@@ -207,7 +207,7 @@ class Failing:
             self._goal_changed(now_ns)
         leg = self._robot.leg
         if leg is None:
-            if self.failure is not None and self.failure.kind == STUCK and self._giving_up.was_moved(now_ns):
+            if self.failure is not None and self._giving_up.was_moved(now_ns):
                 self.repair(now_ns)
             return
         self._driven.leg_begins(leg)

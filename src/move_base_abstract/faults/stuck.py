@@ -53,7 +53,7 @@ class Sticking:
 
 
 class GivingUp:
-    """Gives up each goal of a robot that is stuck, and is held, after ``patience`` [s]."""
+    """Gives up each goal of a robot that is stuck, and is held, after ``patience`` [s]; knows if it was moved away."""
 
     def __init__(self, patience: float, navigator: Navigator, queue: EventQueue, robot_index: int) -> None:
         self._patience_ns = seconds_to_ns(patience)
@@ -62,11 +62,12 @@ class GivingUp:
         self._goal_number = 0
         self._place: Any = None
 
-    def begin(self, now_ns: int) -> None:
-        """Note that the robot is stuck from ``now_ns`` [ns] on, where it stands."""
+    def begin(self, now_ns: int, keeps_goal: bool) -> None:
+        """Note that the robot is stuck from ``now_ns`` [ns] on, where it stands; ``keeps_goal``: it gives none up."""
         pose = self._navigator.robot.pose_at(now_ns)
         self._place, self._goal_number = (pose.x, pose.y), 0
-        self.goal_changed(now_ns)
+        if not keeps_goal:
+            self.goal_changed(now_ns)
 
     def goal_changed(self, now_ns: int) -> None:
         """Note that the robot has got a goal, or has none any more."""
