@@ -11,10 +11,10 @@ from move_base_abstract.scenario import read_scenario
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LAUNCH = os.path.join(HERE, '..', '..', 'launch', 'orders.launch')
+FAILS = ', failure_kind: KIND, failures_per_km: 3.0, repair_time: 25.0'
 SCENARIO = """
 seed: 3
-defaults: {max_speed: 1.0, acceleration: 0.5, battery_capacity: 0.4, charging_current: 3.0, failure_kind: KIND,
-           failures_per_km: 3.0, repair_time: 25.0}
+defaults: {max_speed: 1.0, acceleration: 0.5, battery_capacity: 0.4, charging_current: 3.0""" + FAILS + """}
 robots: [{name: robot, count: 4, step_x: 2.0}]
 zones:
   - {name: dock, rectangle: [-4.0, -4.0, -2.0, -2.0], charger: true, capacity: 1}
@@ -123,7 +123,7 @@ class DispatcherTest(OwnFolder, unittest.TestCase):
 
     def test_they_are_also_where_robots_look_ahead(self):
         text = SCENARIO
-        for old, new in (('capacity: 0.4, charging_current: 3.0', 'capacity: 0.2, charging_current: 20.0'),
+        for old, new in ((FAILS, ''), ('capacity: 0.4, charging_current: 3.0', 'capacity: 0.2, charging_current: 20.0'),
                          ('duration: 6.0', 'duration: 60.0'), ('charge_below: 0.5', 'charge_below: 0.1'),
                          ('charge_when_idle: 0.7', 'charge_full: 0.9, charge_reserve: 0.05')):
             self.assertIn(old, text)

@@ -84,8 +84,10 @@ class DispatcherNode:
         self._decisions = Decisions(scenario, settings, policy, clock.simulation.queue, 0, self._tell, self._act,
                                     lambda error: rospy.logerr('%s: %s', rospy.get_name(), error))
         self._core = self._decisions.core
-        self._goals = {spec.name: _Goals(spec, bool(scenario.zones) or getattr(
-            spec.settings.network, 'has_capacities', False)) for spec in scenario.robots}
+        self._goals = {spec.name: _Goals(
+            spec, bool(scenario.zones) or getattr(spec.settings.network, 'has_capacities', False),
+            settings.charge_reserve is not None or spec.settings.failures is not None
+            or spec.settings.buggify is not None) for spec in scenario.robots}
         heard = [rospy.Subscriber(one, RobotEvent, self._on_event, queue_size=_QUEUE_SIZE, tcp_nodelay=True)
                  for one in values['events']]
         clock.wait_until(lambda: all(one.get_num_connections() for one in heard)
@@ -146,17 +148,19 @@ class DispatcherNode:
 
 
 class _Goals:
-    """The topics by which one robot gets its goals, and its priority if it ``may_wait`` for zones or lanes."""
+    """The topics by which one robot gets its goals, and its priority if it ``may_wait`` for zones or lanes.
 
-    def __init__(self, spec, may_wait):
+    ``may_lose``: whether the dispatcher may take its order from it.
+    """
+
+    def __init__(self, spec, may_wait, may_lose):
         self._priority = rospy.Publisher('{}/move_base/priority'.format(spec.name), Int32, queue_size=10,
                                          tcp_nodelay=True) if may_wait else None
         self._drive = Outlet('{}/move_base/goal'.format(spec.name), MoveBaseActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
         self._work = Outlet('{}/{}/goal'.format(spec.name, WORK), PlaceTaskActionGoal, _QUEUE_SIZE, tcp_nodelay=True)
         self._cancels = {is_work: rospy.Publisher('{}/{}/cancel'.format(spec.name, action), GoalID, queue_size=10,
                                                   tcp_nodelay=True)
-                         for is_work, action in ((False, 'move_base'), (True, WORK))
-                         } if spec.settings.failures is not None or spec.settings.buggify is not None else {}
+                         for is_work, action in ((False, 'move_base'), (True, WORK))} if may_lose else {}
 
     def are_heard(self):
         """Return whether the robot listens to all these topics."""
