@@ -93,7 +93,7 @@ def check_that_bad_is_refused_and_the_others_are_done(dispatch, text):
     assert sorted(row[3] for row in told(dispatch, 'order_done')) == ['a', 'b', 'c']
     assert told(dispatch, 'policy_failed') == []
     assert dispatch.core.undone() == ['bad refused']
-    assert dispatch.fleet.warnings[-1][3] == 'The run cannot go on: 1 orders are not done: bad refused'
+    assert dispatch.fleet.warnings[-1][3] == 'Nothing is left to happen, but 1 order is not done: bad refused'
 
 
 def test_an_order_with_which_alone_a_policy_fails_is_refused_and_starves_no_other():
@@ -146,8 +146,8 @@ def test_a_run_that_cannot_go_on_says_which_orders_are_not_done_and_why():
     assert dispatch.fleet.warnings == []  # there is more to come
     dispatch.run()
     assert dispatch.fleet.warnings[-1] == (5 * S, '/dispatcher', '', (
-        'The run cannot go on: 3 orders are not done: a with r_0, held for zone east; b with r_1, held for zone west; '
-        'c with nobody'))
+        'Nothing is left to happen, but 3 orders are not done: a with r_0, held for zone east; b with r_1, held for '
+        'zone west; c with nobody'))
 
 
 LOW = {'battery_capacity': 1.0, 'battery_start': 0.4, 'charging_current': 10.0, 'friction_coefficient': 0.0}

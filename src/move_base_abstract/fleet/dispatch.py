@@ -99,8 +99,9 @@ class Dispatch:
     def _tell_undone(self, now_ns: int) -> None:
         texts = self.core.undone(self._what_holds)
         if texts:
-            text = 'The run cannot go on: {} orders are not done: {}{}'.format(
-                len(texts), '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
+            text = 'Nothing is left to happen, but {} not done: {}{}'.format(
+                '1 order is' if len(texts) == 1 else '{} orders are'.format(len(texts)),
+                '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
             self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
 
     def _what_holds(self, robot: str) -> str:
