@@ -351,3 +351,13 @@ def test_encounters_do_not_depend_on_the_order_of_robots(seed):
     goals = {one['name']: (round(dice.uniform(0, 15), 3), round(dice.uniform(0, 15), 3)) for one in robots}
     shuffled = dice.sample(robots, len(robots))
     assert met(robots, goals, seed) == met(shuffled, goals, seed)
+
+
+@pytest.mark.parametrize('after', [lambda fleet: fleet.remove('b'),
+                                   lambda fleet: fleet.robot('b').place(Pose2D(100.0, 0.0))])
+def test_robots_of_which_one_is_taken_away_at_the_instant_do_not_meet(tmp_path, after):
+    fleet = Fleet(scenario(tmp_path, DEAR, [{'name': 'a'}, {'name': 'b', 'start_x': 2.5, 'start_yaw': math.pi}]), 0)
+    fleet.at(1, lambda fleet: (fleet.robot('a').send(30.0, 0.0), fleet.robot('b').send(-20.0, 0.0)))
+    fleet.at(1, after)
+    fleet.run(until=10.0)
+    assert rows(fleet, 'encounter') == rows(fleet, 'held') == []

@@ -10,6 +10,7 @@ from move_base_abstract.maps.planning import StraightLinePlanner
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import make_scenario
 from move_base_abstract.tasks.arrivals import Task
+from test_encounters import DEAR, calibration
 
 S = 1_000_000_000
 CORE = os.path.dirname(os.path.dirname(fleet_module.__file__)) + os.sep
@@ -25,7 +26,7 @@ ENTRIES = {('navigator.py', 'receive'), ('travel.py', 'release'), ('room.py', 'g
            ('member.py', '_now_ns'), ('member.py', '_worker'), ('member.py', 'send'), ('member.py', 'send_task'),
            ('room.py', '_make_way'), ('room.py', '_refuse'), ('failing.py', '_no'), ('failing.py', 'repair'),
            ('failing.py', '_forget'), ('battery.py', '_is_heard'), ('arrivals.py', 'check_task'),
-           ('geometry.py', 'quaternion_of_yaw')}
+           ('geometry.py', 'quaternion_of_yaw'), ('control.py', 'goal_number')}
 WORLD = {
     'zones': [{'name': 'gate', 'rectangle': [4.0, -9.0, 8.0, 9.0], 'capacity': 1},
               {'name': 'plug', 'rectangle': [-2.0, -9.0, 2.0, 9.0], 'charger': True}],
@@ -42,12 +43,15 @@ class Injected(Exception):
 
 
 class World:
-    """Robots that go through a gate, work and go back; ``fail_at``: the number of the call in which something fails."""
+    """Robots that go through a gate, work and go back; ``fail_at``: the number of the call in which something fails.
 
-    def __init__(self, fail_at):
+    ``room``: the folder of the code in which it fails, '': in any.
+    """
+
+    def __init__(self, fail_at, raw=WORLD, room=''):
         self.reported, self.raised, self.calls, self.place = [], [], 0, None
-        self._fail_at = fail_at
-        self.fleet = Fleet(make_scenario(WORLD), start_ns=0)
+        self._fail_at, self._code = fail_at, os.path.join(CORE, room)
+        self.fleet = Fleet(make_scenario(raw), start_ns=0)
         self.fleet.simulation._on_fault = lambda who, error: self.reported.append((who, error))
         for name, y in zip(NAMES, (0.0, 2.0, 4.0)):
             self.fleet.at(0, lambda fleet, name=name, y=y: fleet.robot(name).send(12.0, y, goal_id=name + '-out'))
@@ -68,7 +72,7 @@ class World:
     def _look(self, frame, _event, _argument):
         code = frame.f_code
         file = os.path.basename(code.co_filename)
-        if not code.co_filename.startswith(CORE) or file in MACHINE or (file, code.co_name) in ENTRIES:
+        if not code.co_filename.startswith(self._code) or file in MACHINE or (file, code.co_name) in ENTRIES:
             return
         if code.co_name in ('<genexpr>', '<listcomp>'):
             return
@@ -102,10 +106,22 @@ class World:
 
 
 def test_whatever_breaks_wherever_one_goal_ends_with_its_text_and_all_else_goes_on():
-    calls = World(0).calls
+    break_in_turn(61)
+
+
+def test_whatever_breaks_where_robots_meet_one_goal_ends_with_its_text(tmp_path):
+    left_out = 'max_speed', 'acceleration', 'turn_rate', 'duration_factor'
+    break_in_turn(211, {**WORLD, 'seed': 5, 'encounters': 'calibrated', 'defaults': {
+        'calibration': calibration(tmp_path, DEAR),
+        **{name: value for name, value in WORLD['defaults'].items() if name not in left_out}}}, 'encounters')
+
+
+def break_in_turn(step, *arguments):
+    """Have each ``step``-th call break in a world of its own; the world must be in order after it."""
+    calls = World(0, *arguments).calls
     assert calls > 3000
-    for number in range(1, calls, 61):
-        world = World(number)
+    for number in range(1, calls, step):
+        world = World(number, *arguments)
         try:
             world.check()
         except AssertionError as error:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from ..common.errors import ConfigurationError
 from ..common.units import NS_PER_S, seconds_to_ns
@@ -57,9 +57,8 @@ class Encounters:
         self.neighbours = Neighbours(law.radius)
         self._seed = seed
         self._robots: Dict[int, Participant] = {}
-        self._ahead: Dict[Tuple[int, int], Any] = {}  # {pair: the event of their next meeting}
         self._met: Dict[Tuple[int, int], Tuple[int, int]] = {}  # {pair: the numbers of the goals with which they met}
-        self._meet_now: List[Tuple[Participant, Participant]] = []  # those that meet at this instant
+        self._meet_now: Dict[Tuple[int, int], bool] = {}  # the pairs that meet at this instant
 
     def join(self, navigator: Navigator, law: Optional[EncounterLaw], stream: Stream,
              failing: Any = None) -> Participant:
@@ -99,34 +98,38 @@ class Encounters:
             if due_ns is not None:
                 event = self.simulation.queue.schedule(
                     due_ns, USERS - 1, lambda at_ns, _now_ns, pair=pair: self._meet(pair, at_ns))  # type: ignore[misc]
-                self._ahead[pair] = one.ahead[two.index] = two.ahead[one.index] = event
+                one.ahead[two.index] = two.ahead[one.index] = event
 
     def _forget(self, index: int) -> None:
         own = self._robots[index]
         for other, event in own.ahead.items():
             event.cancel()
             del self._robots[other].ahead[index]
-            del self._ahead[min(index, other), max(index, other)]
+            self._meet_now.pop((min(index, other), max(index, other)), None)
         own.ahead.clear()
 
     def _meet(self, pair: Tuple[int, int], now_ns: int) -> None:
-        one, other = self._robots[pair[0]], self._robots[pair[1]]
-        del self._ahead[pair], one.ahead[other.index], other.ahead[one.index]
-        self._met[pair] = one.goal_number, other.goal_number
         if not self._meet_now:
             self.simulation.queue.decide(now_ns, self._all_meet)
-        self._meet_now.append((one, other) if one.name < other.name else (other, one))
+        self._meet_now[pair] = True
 
     def _all_meet(self, now_ns: int, _now_ns: int) -> None:
         """Have all pairs meet that meet at this instant: each is judged before a robot of another one stands."""
-        pairs, self._meet_now = sorted(self._meet_now, key=lambda pair: (pair[0].name, pair[1].name)), []
-        costs = [self._cost(first, second, now_ns) for first, second in pairs]
+        pairs: List[Tuple[Participant, Participant]] = []
+        for index, other_index in self._meet_now:
+            one, other = self._robots[index], self._robots[other_index]
+            del one.ahead[other_index], other.ahead[index]
+            self._met[index, other_index] = one.goal_number, other.goal_number
+            pairs.append((one, other) if one.name < other.name else (other, one))
+        self._meet_now.clear()
+        pairs.sort(key=lambda pair: (pair[0].name, pair[1].name))
+        costs = [first.guarded(self._cost, first, second, now_ns) or NO_COST for first, second in pairs]
         for (first, second), cost in zip(pairs, costs):
             for own, their, seconds in ((first, second, cost.seconds[0]), (second, first, cost.seconds[1])):
                 if seconds > 0.0:
-                    own.stand(their, seconds, cost.aborts, now_ns)
+                    own.guarded(own.stand, their, seconds, cost.aborts, now_ns)
             for own, keeps_goal in zip((first, second), cost.keeps):
-                own.failing.get_stuck(now_ns, keeps_goal)
+                own.guarded(own.failing.get_stuck, now_ns, keeps_goal)
 
     def _cost(self, first: Participant, second: Participant, now_ns: int) -> Cost:
         """Return what it costs two robots that they meet now, and report it."""
@@ -218,6 +221,14 @@ class Participant:
         self._stands[reason] = self._encounters.simulation.queue.schedule(
             now_ns + max(1, seconds_to_ns(seconds)), self.index, lambda due_ns, _now_ns: step(reason, due_ns))
         self._navigator.travel.hold(reason, now_ns)
+
+    def guarded(self, step: Callable[..., Any], *arguments: Any) -> Any:
+        """Return ``step(*arguments)``; an error breaks off this robot's goal only, and the result is None."""
+        try:
+            return step(*arguments)
+        except Exception as error:
+            self._navigator.break_off(error)
+            return None
 
     def _go_on(self, reason: str, now_ns: int) -> None:
         del self._stands[reason]
