@@ -134,13 +134,20 @@ def test_a_model_says_its_drive_its_laser_and_its_topics_even_if_xacro_is_not_he
     '<robot>{}</robot>'.format('<a>' + 50000 * ' ' + '<b/></a>'), '<robot>{}</robot>'.format(10000 * '<joint '),
     '<robot>{}</robot>'.format(10000 * '<plugin filename="libx.so">'), '<robot>{}</robot>'.format(
         10000 * '<sensor type="ray">' + 10000 * '</sensor>'), 30000 * '<xacro:macro name="a" ',
-    '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><robot>&b;</robot>'])
+    100000 * '<!--', '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><robot>&b;</robot>'])
 def test_a_model_that_is_odd_is_read_to_its_end_in_little_time(package, text):
     package('urdf/robot.xacro', text)
     made = adopt(package('one.launch', '<launch>{}</launch>'.format(
         SPAWNED.format('a', 1, 2, 3, '$(find of_a_stranger)/urdf/robot.xacro'))))
     assert made.options.start['/a/velocity_robot'] == (1.0, 2.0, 3.0)
     assert any('laser' in one for one in made.remarks)
+
+
+def test_a_model_is_read_as_gazebo_reads_it(package):
+    package('urdf/robot.urdf', '\n<?xml version="1.0"?><!-- ---- <sensor/> ---- -->\n' + LASER.replace('xacro:', ''))
+    made = adopt(package('one.launch', '<launch>{}</launch>'.format(
+        SPAWNED.format('a', 1, 2, 3, '$(find of_a_stranger)/urdf/robot.urdf'))))
+    assert made.options.param['/a/velocity_robot/scan_beams'] == 720
 
 
 def test_a_model_is_found_for_a_launch_file_with_a_comma_in_its_name(package):

@@ -69,7 +69,7 @@ def _of_gazebo(config, hint):
     params = {**size, **laser}
     topics = {'base_pose_ground_truth': truth} if truth else {}
     remarks = [] if laser else ['no laser is seen in its model' if len(model) else (
-        'its model is not here: its size, its laser and the topics of its plugins are not known')]
+        'its model is not here, or is no XML: its size, its laser and the topics of its plugins are not known')]
     if controller:
         name, values, is_holonomic = controller
         topics.update(cmd_vel=name + '/cmd_vel', odom=name + '/odom')

@@ -74,6 +74,8 @@ def _placed(place):
 
 def _parsed(text):
     """Return [the root of an XML text], whose prefixes are parts of the names; [] if the text is none."""
+    first, *others = text.strip().split('<!--')
+    text = ''.join([first, *(one.partition('-->')[2] for one in others)])  # Gazebo reads comments with -- in them, too
     try:
         return [] if '<!ENTITY' in text else [ElementTree.fromstring(_PREFIX.sub(r'\1\2_', text))]
     except (ElementTree.ParseError, ValueError):
