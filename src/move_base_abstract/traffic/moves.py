@@ -10,16 +10,16 @@ if TYPE_CHECKING:
 
 
 class Moves:
-    """Moves of ``robots`` [(Traveller, node of its goal, number of its goal), ...] from the joint places ``begin``.
+    """Moves of ``robots`` [(Traveller, node of its goal), ...] from the joint places ``begin``.
 
     ``moves``: [(number of a robot, place), ...] on ``net``. :attr:`nodes`: {Traveller: the nodes to which it drives}.
     """
 
-    def __init__(self, robots: Sequence[Tuple[Traveller, str, int]], net: Net, begin: Sequence[Any],
+    def __init__(self, robots: Sequence[Tuple[Traveller, str]], net: Net, begin: Sequence[Any],
                  moves: Sequence[Move]) -> None:
-        self.nodes: Dict[Traveller, List[Any]] = {traveller: [] for traveller, _, _ in robots}
-        self._goals = {traveller: (goal, number) for traveller, goal, number in robots}
-        self._begins: Dict[Traveller, Any] = {traveller: place for (traveller, _, _), place in zip(robots, begin)}
+        self.nodes: Dict[Traveller, List[Any]] = {traveller: [] for traveller, _ in robots}
+        self._goals = dict(robots)
+        self._begins: Dict[Traveller, Any] = {traveller: place for (traveller, _), place in zip(robots, begin)}
         self._begun = dict.fromkeys(self.nodes, 0)  # the number of moves that each has begun
         self._entries: Dict[Any, List[Tuple[Traveller, int]]] = {}  # {area: [(Traveller, number of its move), ...]}
         joint = list(begin)
@@ -31,13 +31,8 @@ class Moves:
             joint[robot] = place
 
     def ends_at_goal(self, traveller: Traveller) -> bool:
-        """Return whether the moves of a robot end at its goal."""
-        goal, _ = self._goals[traveller]
-        return bool(goal == (self.nodes[traveller] or [self._begins[traveller]])[-1])
-
-    def has_arrived(self, traveller: Traveller, number: int) -> bool:
-        """Return whether a robot that has made its moves is at its goal, which has this number."""
-        return self.ends_at_goal(traveller) and self._goals[traveller][1] == number
+        """Return whether the moves of a robot, of which it has some, end at its goal."""
+        return bool(self.nodes[traveller][-1] == self._goals[traveller])
 
     def uses(self, areas: Sequence[Area]) -> bool:
         """Return whether any of ``areas`` has yet to be entered."""

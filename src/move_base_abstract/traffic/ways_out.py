@@ -239,8 +239,7 @@ class WaysOut:
         if not moves:
             return
         to_start = dict.fromkeys(self._to_start, True)
-        self._moves = Moves([(start.traveller, start.goal, start.traveller.navigator.goal_number) for start in starts],
-                            net, begin, moves)
+        self._moves = Moves([(start.traveller, start.goal) for start in starts], net, begin, moves)
         self._to_start = sorted({**to_start, **dict.fromkeys(self._moves.nodes, True)}, key=lambda one: one.rank)
 
     def _found(self, starts: Sequence[_Start], net: Net, begin: Joint,
