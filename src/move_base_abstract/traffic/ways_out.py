@@ -59,7 +59,8 @@ class WaysOut:
         self._is_due = False  # whether anything has changed on which the safety depends
         self._goals: Dict[Traveller, Tuple[int, int]] = {}  # (the number of its goal, since when it has it [ns])
         self._places: Dict[str, LanePlaces] = {}  # by the file
-        self._tried: List[Any] = []  # the states in which the last searches began that led to nothing
+        self._searched: Any = None  # the state in which the last search began
+        self._in_vain: List[Any] = []  # states of searches whose moves nobody could go on with, since others were made
         self._held_back: Dict[Traveller, bool] = {}  # robots for which there is no way
         self._told: Dict[Any, bool] = {}
 
@@ -80,7 +81,7 @@ class WaysOut:
             if not under_way:
                 self._end_moves()
             elif self._are_blocked(self._moves, under_way):
-                self._end_moves(self._tried)
+                self._end_moves(in_vain=True)
         if self._moves is None and (self._is_due or (not self.is_safe and all(
                 one.navigator.robot.leg is None for one in self._traffic.travellers()))):
             self._look(now_ns)
@@ -185,10 +186,15 @@ class WaysOut:
         if traveller in self._to_start:
             self._to_start.remove(traveller)
 
-    def _end_moves(self, tried: Sequence[Any] = ()) -> None:
-        """End the moves; search anew, but not if all is as it was in a state of ``tried``."""
+    def _end_moves(self, in_vain: bool = False) -> None:
+        """End the moves; search anew.
+
+        If they were ``in_vain``, no robot has come to its goal by them. Then none are looked for again where these, and
+        others in vain since the last that were made, began: so this comes to an end.
+        """
         assert self._moves is not None
-        self._tried = list(tried)
+        self._in_vain = [*self._in_vain, self._searched] if in_vain else []
+        self._searched = None
         self._to_start = sorted(self._moves.nodes, key=lambda one: one.rank)
         self._moves, self._is_due = None, True
         self._turning.clear()
@@ -230,12 +236,12 @@ class WaysOut:
             return
         net = self._net(starts)
         state = [(start.traveller.name, start.goal, tuple(start.traveller.held)) for start in starts], net.room
-        if state in self._tried:
+        if state == self._searched:
             return
+        self._searched = state
         begin = tuple(start.place for start in starts)
-        moves, without = self._found(starts, net, begin, now_ns)
+        moves, without = ([], []) if state in self._in_vain else self._found(starts, net, begin, now_ns)
         self._hold_back(without)
-        self._tried = [*self._tried[-9:], state]
         if not moves:
             return
         to_start = dict.fromkeys(self._to_start, True)
