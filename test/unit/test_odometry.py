@@ -72,6 +72,8 @@ def test_names_and_places_that_are_not_set_are_those_of_stage_ros():
     assert found.odom_origin == Pose2D(1.0, 0.0, 0.5)
     assert (found.footprint_frame, found.values['scan_topic']) == ('base_footprint', 'base_scan')
     assert settings(odom_origin=[1, 2, 3.0]).odom_origin == Pose2D(1.0, 2.0, 3.0)
+    with pytest.raises(ConfigurationError, match=r'odom_origin: got .*; allowed: a list .* in -1e9\.\.1e9'):
+        settings(odom_origin=[0.0, 2e9, 0.0])
     assert settings(robot_base_frame='base_footprint').footprint_frame == ''
     assert settings(footprint_frame='').footprint_frame == ''
     assert settings(publish_rate=50.0).values['pose_update_freq'] == 50.0

@@ -64,7 +64,8 @@ SHOWN = (
               'Whether the pose in the odom frame is on tf; the name of diff_drive_controller.', needs=DRIVEN),
     Parameter('publish_map_frame', False, FLAG,
               'Whether `global_frame -> odom` is on tf, too, as from a perfect localizer.', needs=DRIVEN),
-    Parameter('odom_origin', None, numbers(3, 'a list [x, y, yaw] [m, m, rad, global frame]'),
+    Parameter('odom_origin', None, numbers(
+        3, 'a list [x, y, yaw] [m, m, rad, global frame], each in -1e9..1e9', COORDINATE),
               'Where the odom frame lies. If it is not set, it lies where the robot starts, as with stage_ros.',
               needs=DRIVEN),
     Parameter('slash_in_headers', False, FLAG,
