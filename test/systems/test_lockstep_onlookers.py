@@ -5,9 +5,10 @@ from types import SimpleNamespace
 from own_folder import OwnPackage
 
 from move_base_abstract.msg import TimeState
+from move_base_abstract_ros.debugging import state_words
 from move_base_abstract_ros.launching import roles
 from move_base_abstract_ros.loopback import PACKAGE
-from move_base_abstract_ros.nodes import help as helps, why_node
+from move_base_abstract_ros.nodes import help as helps
 
 ASKER = """#!/usr/bin/env python3
 import rospy
@@ -154,7 +155,7 @@ class MapTest(OwnPackage, unittest.TestCase):
 
 class WhyTest(unittest.TestCase):
     def test_why_says_what_time_stands_for_at_the_start_and_not_that_somebody_has_paused_it(self):
-        said = list(why_node.lines(TimeState(mode='lockstep', phase='paused', paused=True, reason='/map is awaited')))
+        said = state_words.lines(TimeState(mode='lockstep', phase='paused', paused=True, reason='/map is awaited'))
         self.assertEqual(said[0], 'time stands still')
         self.assertIn('/map is awaited', said)
         self.assertNotIn('resume', ' '.join(said))

@@ -327,10 +327,10 @@ class Story:
 
     def _battery(self, now_ns: int, robot: Robot, _kind: str, values: Sequence[Any]) -> None:
         if values[-1] == 'empty' and robot.begun('charge') is None:
-            self.emptied.append(Emptied(now_ns, robot.name, robot.at, self._doing(robot)))
+            self.emptied.append(Emptied(now_ns, robot.name, robot.at, self.doing(robot)))
 
     @staticmethod
-    def _doing(robot: Robot) -> str:
+    def doing(robot: Robot) -> str:
         """Return what the robot does, in words: its state, and where and since when it waits or works."""
         state = NAMES[robot.state]
         what, word = {'waiting': (WAITS, 'for'), 'working': (WORKS, 'at')}.get(state, ('', ''))

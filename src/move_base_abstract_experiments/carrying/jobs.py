@@ -14,6 +14,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.processes import interpreter_of
+from move_base_abstract.common.version import package_version
 
 from ..description import ingredients, plan, worker_files
 from ..description.experiment import Experiment
@@ -34,7 +35,7 @@ _ends = [0]
 
 def common_of(experiment: Experiment) -> Common:
     """Return the part that the jobs of all trials of an experiment share, with the files as they are now."""
-    return Common(functions.sources(experiment.functions.values(), experiment.folder), plan.package_version(),
+    return Common(functions.sources(experiment.functions.values(), experiment.folder), package_version(),
                   worker_files.view(), _to_be_warm(experiment))
 
 

@@ -9,16 +9,13 @@ Whether a trial runs twice follows from the trial alone, so a plan that grows ru
 from __future__ import annotations
 
 import dataclasses
-import functools
 import hashlib
-import importlib.metadata
 import json
 import os
 import platform
-import re
-from pathlib import Path
 from typing import Any, Dict, List, Optional
 
+from move_base_abstract.common.version import package_version
 from move_base_abstract.runs.metrics import METRICS, Metric
 
 from ..records import Plan, Planned
@@ -89,20 +86,6 @@ def versions() -> Dict[str, Any]:
     """Return the versions on which a trial depends, and the machine."""
     return {'package': package_version(), 'python': platform.python_version(), 'machine': platform.platform(),
             'processor': platform.machine(), 'cpus': os.cpu_count() or 1}
-
-
-@functools.lru_cache(maxsize=None)
-def package_version() -> str:
-    """Return the version of this package, from its package.xml or from pip, or 'unknown'."""
-    for folder in list(Path(__file__).resolve().parents)[2:7]:
-        for file in (folder / 'package.xml', folder / 'share' / 'move_base_abstract' / 'package.xml'):
-            if file.is_file():
-                found = re.search(r'<version>\s*([^<\s]+)\s*</version>', file.read_text(encoding='utf-8'))
-                return found.group(1) if found else 'unknown'
-    try:
-        return importlib.metadata.version('move_base_abstract')  # installed by pip
-    except importlib.metadata.PackageNotFoundError:
-        return 'unknown'
 
 
 def made_of(trial: Trial, made: Optional[Dict[str, str]] = None) -> str:

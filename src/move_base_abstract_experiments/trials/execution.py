@@ -12,12 +12,13 @@ import traceback
 from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.version import package_version
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
 from move_base_abstract.runs import ends, error_lines, event_log, run_difference
 from move_base_abstract.runs.calls import CallError, DeathError
 
-from ..description import ingredients, launch_files, plan, worker_files
+from ..description import ingredients, launch_files, worker_files
 from ..description.job import Job
 from ..records import COMPLETE, DIFFERENT, IDENTICAL, Number, Result
 from . import bundle, functions, metrics, run_folders, termination, user_metrics
@@ -80,8 +81,8 @@ def carry_out(job: Job, path: str, problem: Optional[str] = None) -> None:
 
 
 def _check_version(job: Job) -> None:
-    if job.common.version != plan.package_version():
-        raise ConfigurationError(f'move_base_abstract is {plan.package_version()} on this worker, and '
+    if job.common.version != package_version():
+        raise ConfigurationError(f'move_base_abstract is {package_version()} on this worker, and '
                                  f'{job.common.version} where the experiment was started')
 
 

@@ -176,6 +176,11 @@ def scripts_of(plan):
     return sorted(found - {None})
 
 
+def programs_of(plan):
+    """Return the paths of all programs that are found, sorted."""
+    return sorted({roles.program_of(node) for node in plan.config.nodes} - {None})
+
+
 def log_of_run(plan, folder, is_whole=False):
     """Return the path of the event log of a Plan's run.
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.own_files import FolderKind, OutputError, whole_file
-from move_base_abstract_experiments.description.plan import package_version
+from move_base_abstract.common.version import package_version
 
 from ..mission.mission_log import Event, Moment, Sample, Waypoint
 from .provenance import machine, versions

@@ -1,5 +1,6 @@
 """A run of a launch file in lockstep, in this process: its command line, the run itself, and what is said of it."""
 import argparse
+import dataclasses
 import json
 import os
 import re
@@ -11,16 +12,19 @@ from xml.etree import ElementTree
 
 from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
-from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of
+from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of, words_of
+from move_base_abstract.common.own_files import whole_file
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
-from move_base_abstract.runs import ends, error_lines
+from move_base_abstract.runs import ends, error_lines, run_file
 
+from ...debugging import MASTER_NOTE
 from ...launching import command_line, warm_nodes
 
 _GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
+_KEPT = 20  # messages of each topic of a debugged run
 #: parts of errors of launch files that were written for something that is not here
 _OF_OTHERS = ('publishes /clock', 'programs are not here', 'does not exist', 'unknown machine', 'environment variable')
 _OF_ROSLAUNCH = 'No such file'  # in an error of ours, the file is one that the user names
@@ -119,6 +123,8 @@ def read_words(words):
     parser.add_argument('--start-order', choices=('file', 'reversed'), default='file', help=argparse.SUPPRESS)
     parser.add_argument('--series', type=json.loads, help=argparse.SUPPRESS)  # from `--script`
     parser.add_argument('--parts', type=int, default=0, help=argparse.SUPPRESS)
+    # From `debug`: time stops at its start, messages are kept, and the notes have the address of the ROS master.
+    parser.add_argument('--debugged', action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('--list', action='store_true', help='list the nodes that take part, and start nothing')
     parser.add_argument('--script', action='store_true', help='as the first word: run an unchanged script that starts '
                         'launch files, each of them in lockstep')
@@ -145,6 +151,7 @@ def _run_in(own, folder, options, files):
 
     from ...launching import look_ups, plan
     look_ups.remember()
+    environment = dict(os.environ)
     if not options.use_master:
         os.environ.update(ROS_IP='127.0.0.1')
         os.environ.pop('ROS_HOSTNAME', None)
@@ -167,10 +174,29 @@ def _run_in(own, folder, options, files):
         return Launched(0)
     run_id = get_or_generate_uuid(None, False) if options.use_master else generate_run_id()
     config.params['/run_id'] = Param('/run_id', run_id)
+    is_asked = bool(made.event_log)
     log = plan.log_of_run(made, own, options.check or asked_run.properties)
+    if is_asked and not options.series:
+        run_file.write(log, _start_of(options, files, made, environment))
     code, found = _carry_out(made, log, own, run_id, options)
     launched = Launched(code, _bags(own, log), lines=error_lines.noted(own))
     return _conclude(made, launched, ends.judge(found, ends.read_log(log)), log, options)
+
+
+def words_again(options):
+    """Return the words of a command line that start the same run, with another event log, or none."""
+    words = [word for flag, value in (('--own-hash-seed', options.own_hash_seed), ('--parts', options.parts or None),
+                                      ('--start-order', None if options.start_order == 'file' else 'reversed'))
+             if value is not None for word in (flag, str(value))]
+    words += ['--no-displays'] if options.no_displays else []
+    return words + words_of(dataclasses.replace(options.one, event_log='')) + words_of(options.run) + options.command
+
+
+def _start_of(options, files, made, environment):
+    """Return the Start of a run of ``files``; ``environment``: that of this command."""
+    from ...launching import plan
+    return run_file.of_run(words_again(options), os.getcwd(), environment, [
+        *(path for path, _ in files), *made.config.roslaunch_files, *plan.programs_of(made)])
 
 
 def _why_no_displays():
@@ -180,7 +206,8 @@ def _why_no_displays():
 
 def _parameters_of(options):
     """Return the time master's parameters."""
-    given = (('event_log', options.event_log and os.path.abspath(options.event_log)),
+    given = (*((('start_stopped', True), ('keep_messages', _KEPT)) if options.debugged else ()),
+             ('event_log', options.event_log and os.path.abspath(options.event_log)),
              ('message_bytes', options.message_bytes), ('end_when_idle', options.check),
              *((f'note_of_{one}', os.path.join(options.notes, one)) for one in ('start', 'end')))
     return {**network.resolve(parameters_of(options.run)), **parameters_of(options.one),
@@ -203,6 +230,9 @@ def _carry_out(made, log, own, run_id, options):
     for each in guard.signals():
         signal.signal(each, lambda number, _frame: (asked.append(number), this.stop()))
     this.start(rosgraph.get_master_uri() if options.use_master else '')
+    if options.debugged:
+        with whole_file(os.path.join(options.notes, MASTER_NOTE)) as stream:
+            stream.write(this.uri)
     problem = this.wait()
     is_bad = problem is not None and problem.kind != run.REQUIRED
     if is_bad:
