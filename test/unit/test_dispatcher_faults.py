@@ -72,9 +72,9 @@ def test_an_order_that_is_put_right_is_no_longer_undone():
     dispatch = dispatch_of()
     for place, undone in (('nowhere', 'o refused'), ('', 'o with nobody')):
         dispatch.order(Order('o', 0, (Stop(Pose2D(0.0, 1.0), place),)))
-        assert dispatch.core.undone() == [undone]
+        assert list(dispatch.core.undone()) == [undone]
     dispatch.run()
-    assert (told(dispatch, 'order_done')[0][3], dispatch.core.undone()) == ('o', [])
+    assert (told(dispatch, 'order_done')[0][3], *dispatch.core.undone()) == ('o',)
 
 
 class FailsWithBad(Nearest):
@@ -92,8 +92,8 @@ def check_that_bad_is_refused_and_the_others_are_done(dispatch, text):
     assert (name, text in why) == ('bad', True)
     assert sorted(row[3] for row in told(dispatch, 'order_done')) == ['a', 'b', 'c']
     assert told(dispatch, 'policy_failed') == []
-    assert dispatch.core.undone() == ['bad refused']
-    assert dispatch.fleet.warnings[-1][3] == 'Nothing is left to happen, but 1 order is not done: bad refused'
+    assert list(dispatch.core.undone()) == ['bad refused']
+    assert dispatch.fleet.warnings[-1][3] == 'Nothing is left to happen, but this is not done: bad refused'
 
 
 def test_an_order_with_which_alone_a_policy_fails_is_refused_and_starves_no_other():
@@ -146,8 +146,8 @@ def test_a_run_that_cannot_go_on_says_which_orders_are_not_done_and_why():
     assert dispatch.fleet.warnings == []  # there is more to come
     dispatch.run()
     assert dispatch.fleet.warnings[-1] == (5 * S, '/dispatcher', '', (
-        'Nothing is left to happen, but 3 orders are not done: a with r_0, held for zone east; b with r_1, held for '
-        'zone west; c with nobody'))
+        'Nothing is left to happen, but this is not done: a with r_0, held for zone east because of r_1 (waits, too); '
+        'b with r_1, held for zone west because of r_0 (waits, too); c with nobody, no robot is free'))
 
 
 LOW = {'battery_capacity': 1.0, 'battery_start': 0.4, 'charging_current': 10.0, 'friction_coefficient': 0.0}

@@ -116,7 +116,7 @@ def test_with_failures_batteries_and_chargers(seed):
 def test_in_small_worlds_where_nodes_have_places_and_spots(tmp_path, part):
     count = times(60, 2_000) // 4
     # 662: two jams in turn whose moves nobody can begin with; 1326: one has set out on a lane without a capacity; 3238:
-    # one that was on the way to its spot is led elsewhere; 3001: one on a lane is where another one of its group begins;
+    # one that was on the way to its spot is led elsewhere; 3001: one on a lane is where one of its group begins;
     # 1154, 1790: goals that end at once are followed by others amid the first calls of users
     also = [*times([662, 1326, 1154, 1790], []), 3238, 3001] if part == 0 else []
     for seed in [*range(part * count, (part + 1) * count), *also]:

@@ -9,6 +9,7 @@ The decisions are those of the node ``dispatcher``: both use the same core, :cla
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence, Tuple, Union
 
 from ..common.arguments import check_function, check_kind, check_method
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 #: the place of a decision at its instant: after the events of robots and users, before those of processes
 _DECISION = AFTER_USERS - 1
-_MOST_TOLD = 5  # orders in a warning
+_MOST_TOLD = 5  # orders and robots in a warning
 
 
 class Dispatch:
@@ -84,7 +85,8 @@ class Dispatch:
     def run(self, until_ns: Optional[int] = None, until: Optional[float] = None) -> int:
         """Run as :meth:`Fleet.run` does; return the time [ns].
 
-        If nothing is left to happen and orders are not done, the fleet's last warning says which, and why.
+        If nothing is left to happen and orders are not done, or robots not where they were sent, the fleet's last
+        warning says which, and why.
 
         :raises PolicyError: at the end of the run, if the policy failed, or chose something that cannot be done.
         """
@@ -97,16 +99,17 @@ class Dispatch:
         return now_ns
 
     def _tell_undone(self, now_ns: int) -> None:
-        texts = self.core.undone(self._what_holds)
+        texts = list(islice(self.core.undone(self._what_holds), _MOST_TOLD))
         if texts:
-            text = 'Nothing is left to happen, but {} not done: {}{}'.format(
-                '1 order is' if len(texts) == 1 else '{} orders are'.format(len(texts)),
-                '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '')
+            more = sum(1 for _ in self.core.undone()) - len(texts)
+            text = 'Nothing is left to happen, but this is not done: {}{}'.format(
+                '; '.join(texts), '; and {} more'.format(more) if more else '')
             self.fleet._note(FleetWarning(now_ns, DISPATCHER, '', text))
 
     def _what_holds(self, robot: str) -> str:
-        held_for = self.fleet.robot(robot).navigator.travel.held_for
-        return 'held for ' + ', '.join(held_for) if held_for else 'which waits'
+        held_for = self.fleet.traffic.what_holds(robot) or ', '.join(
+            self.fleet.robot(robot).navigator.travel.held_for)
+        return 'held for ' + held_for if held_for else 'which waits'
 
     def metrics(self) -> Dict[str, Optional[float]]:
         """Return {name: number}: the metrics of orders and of the robots' time so far, as in experiments.

@@ -6,10 +6,10 @@ be done. So the order in which messages of one instant arrive changes nothing.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..common.errors import ConfigurationError, SimulatorError
-from ..common.shown import shown, shown_text
+from ..common.shown import shown
 from ..common.units import NS_PER_S
 from ..motion.geometry import Pose2D
 from ..tasks.arrivals import Task
@@ -36,6 +36,7 @@ from .order import LOAD, UNLOAD, Order, fault_of
 from .parking import Parking
 from .policies import Distance, OpenOrder, Policy, Question
 from .settings import RESTART, DispatchSettings
+from .undone import undone, why_open
 
 
 class PolicyError(SimulatorError):
@@ -110,15 +111,16 @@ class Dispatcher:
         """The ids of the orders that no robot does, in the order of their arrival."""
         return list(self._open)
 
-    def undone(self, what_holds: Callable[[str], str] = lambda robot: 'which waits') -> List[str]:
-        """Return a text for each order that is not done: its id, and where it is, or that it was refused.
+    def undone(self, what_holds: Optional[Callable[[str], str]] = None) -> Iterator[str]:
+        """Yield a text for each order that is not done, and for each robot that is on its way for none.
 
-        ``what_holds(robot)`` says in words why a robot with an order does not go on.
+        ``what_holds(robot)`` says in words why a robot with a goal does not go on. With it, the texts also say why.
         """
-        texts = ['{} with {}, {}'.format(shown_text(robot.order.order.order_id), robot.name, what_holds(robot.name))
-                 for robot in self.robots if robot.order is not None]
-        texts += ['{} with nobody'.format(shown_text(order)) for order in self._open]
-        return texts + ['{} refused'.format(shown_text(order)) for order in self._refused]
+        if what_holds is None:
+            return undone(self.robots, self._open.values(), self._refused)
+        question = self._question(self._free(), 0)
+        return undone(self.robots, self._open.values(), self._refused, lambda robot: ', ' + what_holds(robot),
+                      lambda one: ', ' + why_open(one, question))
 
     @property
     def waits_for_charge(self) -> bool:
@@ -275,16 +277,18 @@ class Dispatcher:
 
     # --- all of them -------------------------------------------------------------------------------------------------
 
-    def _assign(self, now_ns: int) -> None:
-        """Ask the policy which robots begin with which orders."""
-        free = [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER, PARKING)
+    def _free(self) -> List[RobotState]:
+        """Return the robots that may begin with an order."""
+        return [robot for robot in self.robots if robot.phase in (FREE, AT_CHARGER, PARKING)
                 and not robot.is_out_of_order and not robot.must_charge
                 and (not robot.goal_id or robot.phase == PARKING)]
+
+    def _assign(self, now_ns: int) -> None:
+        """Ask the policy which robots begin with which orders."""
+        free = self._free()
         if not free or not self._open:
             return
-        question = Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
-                            [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
-                             and not robot.must_charge], now_ns, self._distance, self._is_short)
+        question = self._question(free, now_ns)
         try:
             chosen = self._checked(question, free)
         except PolicyError:
@@ -296,6 +300,11 @@ class Dispatcher:
             if not self._is_short(robot.name, one):
                 self._begin(robot, one, now_ns)
         self._charging.lack(free, self._in_turn)
+
+    def _question(self, free: Sequence[RobotState], now_ns: int) -> Question:
+        return Question(list(self._in_turn), [robot.as_free(now_ns) for robot in free],
+                        [robot.as_free(now_ns) for robot in self.robots if robot.order is not None
+                         and not robot.must_charge], now_ns, self._distance, self._is_short)
 
     def _is_short(self, robot: str, one: OpenOrder) -> bool:
         """Return whether a free robot lacks the charge for an order."""

@@ -33,6 +33,7 @@ class Circles:
         self._navigator = navigator
         self._tell = stream.tell
         self.goals = 0  # the number of its goals that have ended
+        self._forgotten: Optional[int] = None  # the number of the last goal for which it was forgotten
         self._resolved: Dict[Any, int] = {}  # how often it has given way in which circle, for its present goal
         if self._policy is DeadlockPolicy.RETREAT:
             stream.subscribe('traffic', {Held: self._look_again, Abandoned: self._goal_ended})
@@ -75,12 +76,13 @@ class Circles:
         return True
 
     def is_forgotten(self, now_ns: int) -> None:
-        """Report, once, that the robot waits although it could go on, and nothing is left that could happen."""
-        request: Any = self._traveller.request
-        if request.is_in_circle or not self._traveller.waits_only:
+        """Report, once, that nothing is left that could happen and the robot has a goal, but no reason to stand."""
+        request, navigator = self._traveller.request, self._navigator
+        is_held = bool(navigator.travel.held_for) and not self._traveller.waits_only
+        if navigator.goal_number == self._forgotten or is_held or not navigator.is_active:
             return
-        request.is_in_circle = True
-        name, area = self._traveller.name, request.areas[0].name
+        self._forgotten = navigator.goal_number
+        name, area = self._traveller.name, 'nothing' if request is None else request.areas[0].name
         self._tell(Deadlock(now_ns, name, (name, area)))
         self._tell(Warned(now_ns, name, '{} waits for {} for ever, although nothing keeps it out. This is an error of '
                           'move_base_abstract; please report it.'.format(name, area)))
@@ -134,7 +136,7 @@ class Circles:
 def name_standstill(traffic: Traffic, now_ns: int) -> None:
     """Have it reported, and resolved, what keeps robots waiting when nothing is left that could happen.
 
-    These are the circles that nobody has seen to close, and robots that wait for nothing at all.
+    These are the circles that nobody has seen to close, and robots that have a goal, and nothing keeps them.
     """
     waiting = {one: one.request for one in traffic.travellers() if one.request is not None}
     graph = WaitingGraph(waiting.values(), traffic.against)
@@ -149,8 +151,8 @@ def name_standstill(traffic: Traffic, now_ns: int) -> None:
                 traffic.serve(now_ns)
                 return  # the fleet goes on
             named.update(dict.fromkeys(robots, True))
-    for one in waiting:
-        if not graph.reasons[one]:
+    for one in traffic.travellers():
+        if not graph.reasons.get(one):
             one.circles.is_forgotten(now_ns)
 
 

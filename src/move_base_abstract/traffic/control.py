@@ -24,6 +24,7 @@ from .outline import BORDER
 from .rules import DeadlockPolicy, TrafficRules
 from .safe_states import SafeStates, first_to_go_on, is_plainly_safe
 from .traveller import Traveller
+from .waiting import in_words, reasons_of
 from .way import ZoneIndex
 from .ways_out import WaysOut
 from .zones import MAX_SPEED, limited
@@ -215,6 +216,11 @@ class Traffic:
         if allowed is None:
             return self.safe_states().against(request)
         return () if allowed else self.ways_out.others(request.traveller) or (request.traveller,)
+
+    def what_holds(self, name: str) -> str:
+        """Return for which areas a robot waits, and which robots are why, in words; '': it waits for none."""
+        requests = (one.request for one in self._travellers if one.name == name and one.request is not None)
+        return in_words(reason for request in requests for reason in reasons_of(request, self.against))
 
     def safe_states(self) -> SafeStates:
         """Return the SafeStates of the present, valid until anything changes."""

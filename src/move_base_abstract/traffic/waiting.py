@@ -36,6 +36,24 @@ class Reason(NamedTuple):
         return sum(one not in stuck for one in self.robots) < self.needed
 
 
+def in_words(reasons: Iterable[Reason]) -> str:
+    """Return for which areas a robot waits, and which robots are why, in words; '': for none."""
+    robots: Dict[str, Dict[str, bool]] = {}
+    for reason in reasons:
+        robots.setdefault(reason.area.name, {}).update(dict.fromkeys(map(_who, reason.robots), True))
+    return '; '.join('{} because of {}'.format(area, ', '.join(names)) if names else '{}, which is closed'.format(area)
+                     for area, names in robots.items())
+
+
+def _who(one: Traveller) -> str:
+    held_for, name = ', '.join(one.navigator.travel.held_for), one.navigator.robot.name
+    if one.request is not None:
+        return '{} (waits, too)'.format(name)
+    if held_for:
+        return '{} (held for {})'.format(name, held_for)
+    return '{} ({})'.format(name, 'on its way' if one.navigator.is_active else 'has no goal')
+
+
 def reasons_of(request: Request, against: Against) -> Iterator[Reason]:
     """Yield the reasons of ``request``, none if it can be granted; ``against``: see :meth:`.Traffic.against`."""
     is_free = True

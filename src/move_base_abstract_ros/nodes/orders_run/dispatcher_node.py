@@ -102,7 +102,7 @@ class DispatcherNode:
             self._decisions.soon(clock.now_ns())
 
     def _undone(self):
-        texts = self._core.undone()
+        texts = list(self._core.undone())
         return 'waits for the end of orders: {}{}'.format(
             '; '.join(texts[:_MOST_TOLD]), '; ...' if len(texts) > _MOST_TOLD else '') if texts else ''
 
