@@ -188,6 +188,7 @@ class Traveller(Holder):
         """Note that the robot is somewhere without having driven there: give back places elsewhere, take those here."""
         self._forget_crossings()
         self.circles.driven.clear()
+        self._traffic.ways_out.placed(self)
         pose = self._pose = self.navigator.robot.pose_at(now_ns)
         self._give_back([area for area in self.held if not area.contains(pose.x, pose.y)], now_ns)
         self._take_what_holds_it(now_ns, pose)  # before abandons() lets it go on, now from inside

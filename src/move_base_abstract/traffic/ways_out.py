@@ -170,19 +170,24 @@ class WaysOut:
         return places.way((pose.x, pose.y), edge, turns), is_whole and moves.ends_at_goal(traveller)
 
     def given_up(self, traveller: Traveller, now_ns: int) -> None:
-        """Note that a robot has no goal any more, or is elsewhere: without it, the moves cannot all be made."""
+        """Note that a robot has no goal any more: without it, the moves cannot all be made."""
         if not self._is_active:
             return
         self._is_due = True
         if self._moves is not None and traveller in self._moves.nodes and self._left(traveller, now_ns):
             self._end_moves()
 
+    def placed(self, traveller: Traveller) -> None:
+        """Note that a robot is elsewhere, and has not driven there: without it, the moves cannot all be made."""
+        self._is_due = self._is_active
+        if self._moves is not None and traveller in self._moves.nodes:
+            self._end_moves()
+
     def left(self, traveller: Traveller) -> None:
         """Note that a robot has been removed."""
         for known in (self._goals, self._turning):
             known.pop(traveller, None)
-        if self._moves is not None and traveller in self._moves.nodes:
-            self._end_moves()
+        self.placed(traveller)
         if traveller in self._to_start:
             self._to_start.remove(traveller)
 
