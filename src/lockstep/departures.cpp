@@ -189,6 +189,7 @@ void Departures::apply(MemberId id) {
   end_.noteDeparture(member, run_.text.quoted(id) + " " + member.how);
   run_.router.remove(id, member.actions);
   run_.rounds.remove(id);
+  run_.looked_at.erase(member.name);
   run_.members.erase(id);
   gone_.push_back(id);
 }

@@ -31,21 +31,13 @@ void RoundLog::add(const MailOrder& order, const wire::Log& log) {
 }
 
 void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_of) {
-  using Kind = MessageRouter::Delivery::Kind;
-  std::vector<std::string> receivers;
-  for (const MemberId id : delivery.receivers) {
-    receivers.push_back(name_of(id));
-  }
-  std::sort(receivers.begin(), receivers.end(), naturalLess);
   std::string values = "[";
-  appendJson(values, delivery.sender_name.empty() && delivery.sender != 0
-                         ? name_of(delivery.sender)
-                         : std::string(delivery.sender_name));
-  for (const std::string& receiver : receivers) {
+  appendJson(values, delivery.from(name_of));
+  for (const std::string& receiver : delivery.to(name_of)) {
     values += ",";
     appendJson(values, receiver);
   }
-  if (delivery.kind == Kind::kResponse) {
+  if (delivery.kind == MessageRouter::Delivery::Kind::kResponse) {
     values += "," + std::to_string(static_cast<int>(delivery.status));
   }
   values += "," + std::to_string(delivery.bytes.size()) + ",\"" + hashText(delivery.bytes) + "\"";
@@ -54,23 +46,24 @@ void RoundLog::add(const MessageRouter::Delivery& delivery, const NameOf& name_o
     appendJson(values, std::string(delivery.lost));
   }
   values += "]";
-  const char* kind = !delivery.lost.empty()            ? "lost"
-                     : delivery.kind == Kind::kMessage ? "message"
-                     : delivery.kind == Kind::kCall    ? "call"
-                                                       : "response";
   const bool keeps_bytes = keeps_bytes_ && delivery.lost.empty();
   round_.push_back({delivery.order,
-                    {rounds_.now(), std::string(delivery.name), kind, std::move(values),
-                     keeps_bytes ? std::string(delivery.type) : "",
+                    {rounds_.now(), std::string(delivery.name), delivery.kindName(),
+                     std::move(values), keeps_bytes ? std::string(delivery.type) : "",
                      keeps_bytes ? std::string(delivery.bytes) : ""}});
 }
 
 void RoundLog::addBefore() {
   if (before_) {
     for (LockstepLogEntry& line : before_()) {
-      log_.push_back(std::move(line));
+      append(std::move(line));
     }
   }
+}
+
+void RoundLog::append(LockstepLogEntry&& line) {
+  seen_(line);
+  log_.push_back(std::move(line));
 }
 
 void RoundLog::closeRound() {
@@ -84,7 +77,7 @@ void RoundLog::closeRound() {
     return !isBefore(b.order, a.order) && a.entry.values < b.entry.values;
   });
   for (Line& line : round_) {
-    log_.push_back(std::move(line.entry));
+    append(std::move(line.entry));
   }
   round_.clear();
 }

@@ -26,14 +26,16 @@ struct LockstepLogEntry {
 /** @brief Collects the lines of a round, and puts them in order at its end. */
 class RoundLog {
  public:
-  using NameOf = std::function<std::string(MemberId)>;
+  using NameOf = MessageRouter::Delivery::NameOf;
+  using Seen = std::function<void(const LockstepLogEntry&)>;
 
   /**
    * @param rounds the rounds, for their instant; must outlive this object.
    * @param keeps_bytes whether entries have the bytes that were sent.
+   * @param seen is called for each line, in the log's order.
    */
-  RoundLog(const LockstepRounds& rounds, bool keeps_bytes)
-      : rounds_(rounds), keeps_bytes_(keeps_bytes) {}
+  RoundLog(const LockstepRounds& rounds, bool keeps_bytes, Seen seen)
+      : rounds_(rounds), keeps_bytes_(keeps_bytes), seen_(std::move(seen)) {}
 
   /** @brief Add a line that a participant writes itself. */
   void add(const MailOrder& order, const wire::Log& log);
@@ -56,6 +58,7 @@ class RoundLog {
 
  private:
   void addBefore();
+  void append(LockstepLogEntry&& line);
 
   struct Line {
     MailOrder order;
@@ -64,6 +67,7 @@ class RoundLog {
 
   const LockstepRounds& rounds_;
   const bool keeps_bytes_;
+  const Seen seen_;
   std::function<std::vector<LockstepLogEntry>()> before_;
   std::vector<Line> round_;
   std::vector<LockstepLogEntry> log_;

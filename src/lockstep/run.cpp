@@ -33,20 +33,20 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
     : settings(settingsOf(given)),
       decisions(given.chaos_seed, chaos::decisionsOf(given.chaos_only), given.keeps_decisions),
       rounds(settings),
-      log(rounds, given.keeps_bytes),
+      kept(static_cast<std::size_t>(given.keep_messages)),
+      log(rounds, given.keeps_bytes, [this](const auto& line) { stops.sees(line); }),
       carriage([this]() { return rounds.now(); }, toNanoseconds(given.lookahead)),
       router([this](MemberId id, Mail mail) { rounds.mail().post(id, mail); },
              [this](MemberId id, std::uint32_t sub, std::uint64_t number) {
                return rounds.members().order(id, sub, number);
-             },
-             given.log_messages ? MessageRouter::Trace([this](const auto& delivery) {
-               log.add(delivery, [this](MemberId id) { return text.nameOf(id); });
-             })
-                                : MessageRouter::Trace()),
+             }),
       wall(wall_now),
       text(rounds, members),
       labels(messages) {
   router.setStored(StoredTopics(settings.stored_topics));
+  if (settings.log_messages || kept.areKept()) {
+    traceDeliveries();
+  }
   for (const std::string& why : settings.not_covered) {
     labels.addNotRepeatable(why);
   }
@@ -56,6 +56,22 @@ LockstepRun::LockstepRun(const LockstepSettings& given, Nanoseconds wall_now)
   if (settings.chaos_seed != 0) {
     beChaotic();
   }
+}
+
+void LockstepRun::traceDeliveries() {
+  router.setTrace([this](const MessageRouter::Delivery& delivery) {
+    const auto name_of = [this](MemberId id) { return text.nameOf(id); };
+    if (settings.log_messages) {
+      log.add(delivery, name_of);
+    }
+    if (kept.areKept()) {
+      kept.add({rounds.now(), delivery.kindName(), std::string(delivery.name),
+                std::string(delivery.type),
+                std::string(router.md5Of(delivery.name, delivery.sender)), delivery.from(name_of),
+                delivery.to(name_of), std::string(delivery.bytes)});
+    }
+    stops.sees(delivery, name_of);
+  });
 }
 
 /** @brief Add the radio. It carries first, and other delays come on top. */

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "clock/scaled_clock.h"
 #include "connections.h"
 #include "interruption.h"
+#include "kept_messages.h"
 #include "labels.h"
 #include "lockstep/chaos/chaos.h"
 #include "lockstep/rounds/rounds.h"
@@ -19,6 +21,7 @@
 #include "radio_traffic.h"
 #include "round_log.h"
 #include "status.h"
+#include "stops.h"
 
 namespace move_base_abstract {
 
@@ -38,15 +41,19 @@ struct LockstepRun {
   void addCarrier(std::unique_ptr<Carrier> carrier);
   void addRadio();
   void decideWaiting();
+  /** @brief Have what is delivered from now on logged, kept, and seen by the stops. */
+  void traceDeliveries();
 
   const LockstepSettings settings;
   RadioTraffic* radio = nullptr;  // one of the carriers; null: there is no radio
   chaos::Decisions decisions;
   LockstepRounds rounds;
+  Stops stops;
+  KeptMessages kept;
   RoundLog log;
   Carriage carriage;
   MessageRouter router;
-  Nanoseconds wall;  // the latest wall instant
+  Nanoseconds wall;  // the latest instant of the limits' clock, see LimitsClock
   Connections connections;
   SessionMembers members;
   ChangedMembers changed;
@@ -55,6 +62,7 @@ struct LockstepRun {
   RunLabels labels;
   ParameterBook parameters;
   Interruption interruption;
+  std::set<std::string> looked_at;      // nodes, of which some may not take part
   std::unique_ptr<chaos::Order> order;  // of equal events; null: the stated order
 
  private:

@@ -17,7 +17,8 @@ constexpr Nanoseconds kMissingGap = 5 * kNanosecondsPerSecond;  // wall
 }  // namespace
 
 LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds wall)
-    : run_(settings, wall),
+    : limits_(wall),
+      run_(settings, wall),
       end_(run_),
       departures_(run_, end_),
       joining_(run_, departures_),
@@ -33,7 +34,7 @@ LockstepSession::LockstepSession(const LockstepSettings& settings, Nanoseconds w
 // ---- inputs ----------------------------------------------------------------------------------
 
 void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
-  run_.wall = std::max(run_.wall, wall);
+  setWall(wall);
   run_.connections.add(connection, run_.wall + Connections::kHelloLimit);
   if (run_.rounds.ended()) {
     run_.connections.close(connection, end_.reason());
@@ -41,7 +42,7 @@ void LockstepSession::connect(ConnectionId connection, Nanoseconds wall) {
 }
 
 void LockstepSession::received(ConnectionId id, std::string_view bytes, Nanoseconds wall) {
-  run_.wall = std::max(run_.wall, wall);
+  setWall(wall);
   Connection* const connection = run_.connections.open(id);
   if (connection == nullptr) {
     return;
@@ -84,6 +85,10 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
     member->second.crashing = true;
   } else if (const auto* busy = std::get_if<wire::Busy>(&decoded); busy && greeted) {
     silence_.takeBusy(connection.member, *busy);
+  } else if (const auto* looked = std::get_if<wire::Looked>(&decoded); looked && greeted) {
+    if (looked->is_looked_at || run_.looked_at.count(member->second.name) != 0) {
+      look(member->second.name, looked->is_looked_at);
+    }
   } else {
     throw wire::MalformedFrame(greeted ? "HELLO must come once, got another"
                                        : "the first frame must be HELLO, got another type");
@@ -91,7 +96,7 @@ void LockstepSession::take(ConnectionId id, const Connection& connection, std::s
 }
 
 void LockstepSession::disconnected(ConnectionId id, Nanoseconds wall) {
-  run_.wall = std::max(run_.wall, wall);
+  setWall(wall);
   if (!run_.connections.contains(id)) {
     return;
   }
@@ -152,7 +157,8 @@ void LockstepSession::takeKnock(MemberId id) {
 // ---- the end of a round ----------------------------------------------------------------------
 
 std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
-  run_.wall = std::max(run_.wall, wall);
+  setWall(wall);
+  letLimitsStand();  // or go on, from here on
   poll_due_ = false;
   if (!run_.rounds.ended()) {
     run_.rounds.watch(run_.wall);
@@ -164,21 +170,34 @@ std::vector<LockstepSession::Output> LockstepSession::poll(Nanoseconds wall) {
     nameMissing();
     joining_.dropSilentStrangers();
   }
+  letLimitsStand();
   return run_.connections.flush();
+}
+
+void LockstepSession::applyRound() {
+  if (run_.rounds.windows().areThere()) {
+    walked_.apply();
+  } else {
+    turns_.apply();
+  }
+  end_.endIfLabelled();
+  end_.endIfSomebodyHasGone();
+  turns_.noteChangedParameters();
+  run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
 }
 
 /** @brief Finish the round, and the rounds after it in which all turns were reported beforehand. */
 void LockstepSession::finishRound() {
   do {
-    if (run_.rounds.windows().areThere()) {
-      walked_.apply();
-    } else {
-      turns_.apply();
+    if (departures_.areTogether()) {
+      run_.rounds.gate().leaveStop();
+    } else if (run_.rounds.gate().stopped()) {
+      return;  // what has come meanwhile counts when the run goes on
     }
-    end_.endIfLabelled();
-    end_.endIfSomebodyHasGone();
-    turns_.noteChangedParameters();
-    run_.rounds.setOwed(run_.router.goals().count() + run_.router.openCalls());
+    applyRound();
+    if (stopsHere()) {
+      return;
+    }
     const Nanoseconds before = now();
     grants_.send(run_.rounds.decide(run_.wall));
     tellLeap(before);
@@ -215,7 +234,7 @@ void LockstepSession::tellLeap(Nanoseconds from) {
                           secondsText(longest) + ". Later leaps are not told");
   }
   const Nanoseconds machine = run_.settings.machine_clock;
-  if (machine != 0 && std::abs(now() - run_.wall - machine) < longest) {
+  if (machine != 0 && std::abs(now() - limits_.wall() - machine) < longest) {
     labelIf("time leaps to the machine's own time, for which " + who + " has asked");
   }
 }
@@ -288,11 +307,12 @@ void LockstepSession::nameMissing() {
 
 Nanoseconds LockstepSession::nextWake() const {
   if (poll_due_ || run_.connections.hasOutput()) {
-    return run_.wall;
+    return limits_.wall();
   }
-  return run_.rounds.ended() ? kNever
-                             : std::min({run_.rounds.nextWake(), missing_due_,
-                                         run_.connections.helloDue(), run_.interruption.due()});
+  return run_.rounds.ended()
+             ? kNever
+             : limits_.wallOf(std::min({run_.rounds.nextWake(), missing_due_,
+                                        run_.connections.helloDue(), run_.interruption.due()}));
 }
 
 // ---- parameters ------------------------------------------------------------------------------
@@ -327,46 +347,6 @@ void LockstepSession::labelIf(const std::string& why) {
   }
 }
 
-// ---- the gate --------------------------------------------------------------------------------
-
-void LockstepSession::pause() {
-  run_.rounds.gate().pause();
-  poll_due_ = true;
-}
-
-void LockstepSession::resume() {
-  run_.rounds.gate().resume();
-  keepEnd();
-  poll_due_ = true;
-}
-
-Nanoseconds LockstepSession::step(Nanoseconds duration) {
-  const Nanoseconds target = run_.rounds.gate().step(run_.rounds.windows().present(), duration);
-  keepEnd();
-  poll_due_ = true;
-  return target;
-}
-
-void LockstepSession::runUntil(Nanoseconds target) {
-  run_.rounds.gate().runUntil(run_.rounds.windows().present(), target);
-  keepEnd();
-  poll_due_ = true;
-}
-
-void LockstepSession::setLimit(double factor) {
-  run_.rounds.gate().setLimit(factor);
-  poll_due_ = true;
-}
-
-/** @brief Let time stop at end_at, whatever the gate was told. */
-void LockstepSession::keepEnd() {
-  const Nanoseconds end = toNanoseconds(run_.settings.end_at);
-  if (end != 0 && !run_.rounds.gate().paused() &&
-      run_.rounds.gate().target().value_or(kNever) > end) {
-    run_.rounds.gate().runUntil(run_.rounds.windows().present(), end);
-  }
-}
-
 // ---- status ----------------------------------------------------------------------------------
 
 LockstepStatus LockstepSession::status() const {
@@ -377,6 +357,9 @@ LockstepStatus LockstepSession::status() const {
   status.paused = run_.rounds.gate().paused();
   if (!run_.rounds.ended()) {
     status.waiting_for = run_.text.waitingFor(began_, run_.interruption, run_.router);
+    for (LockstepStatus::Waiting& waiting : status.waiting_for) {
+      waiting.since += limits_.wall() - run_.wall;
+    }
   }
   status.participants = run_.text.participants();
   status.not_repeatable = run_.labels.notRepeatable();
@@ -394,6 +377,10 @@ LockstepStatus LockstepSession::status() const {
   status.leaps = run_.rounds.clock().leaps;
   status.messages = run_.router.messages();
   status.chaos = chaosText(run_.settings);
+  status.rows = run_.stops.rows();
+  status.stops = run_.stops.count();
+  status.stop_row = run_.stops.row();
+  status.looked_at.assign(run_.looked_at.begin(), run_.looked_at.end());
   return status;
 }
 

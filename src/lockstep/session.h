@@ -14,6 +14,7 @@
 #include "departures.h"
 #include "grants.h"
 #include "joining.h"
+#include "lockstep/rounds/limits_clock.h"
 #include "run.h"
 #include "run_end.h"
 #include "silence.h"
@@ -78,6 +79,11 @@ class LockstepSession {
   Nanoseconds now() const { return run_.rounds.now(); }  // simulated
   std::uint32_t microstep() const { return run_.rounds.clock().microstep; }
   LockstepPhase phase() const { return run_.rounds.phase(run_.wall); }
+  /** @return the instant [ns] of the clock by which limits count, which stands at a stop. */
+  Nanoseconds limitsNow(Nanoseconds wall) {
+    setWall(wall);
+    return run_.wall;
+  }
   LockstepStatus status() const;
 
   /**
@@ -113,6 +119,17 @@ class LockstepSession {
   Nanoseconds step(Nanoseconds duration);
   void runUntil(Nanoseconds target);
   void setLimit(double factor);
+  /**
+   * @brief Run until @p condition is met, and stop after the round in which it is. Whatever leaves
+   * the stop, the run is as if it had not stopped.
+   * @return the number that this stop will have, see LockstepStatus::stops.
+   */
+  std::uint64_t stopWhen(const StopCondition& condition);
+  /** @brief Note that somebody looks at a node in a debugger, or does so no more. */
+  void look(const std::string& node, bool is_looking);
+  /** @brief See KeptMessages::recent(). @throws std::invalid_argument if none are kept. */
+  std::vector<KeptMessages::One> recent(const std::string& name, const std::string& node,
+                                        std::size_t most) const;
   /** @brief Let time stand at the present instant, for nodes that do not take part; see release().
    * @param what the text that says so, for the state. */
   void holdForOthers(const std::string& what) {
@@ -132,7 +149,8 @@ class LockstepSession {
       return MessageRouter::Wanted();
     }
     // Reports that have come count when they have been applied.
-    const bool is_over = run_.rounds.started() && run_.rounds.settled() && !poll_due_;
+    const bool is_over = run_.rounds.started() && run_.rounds.settled() && !poll_due_ &&
+                         !run_.rounds.gate().stopped();
     return is_over ? std::make_optional(run_.router.wanted()) : std::nullopt;
   }
 
@@ -145,16 +163,17 @@ class LockstepSession {
   void loseRosMaster(const std::string& how) { end_.loseRosMaster(how); }
 
  private:
-  /** @return why the run has ended or stands, or what time stands for at the start. */
-  std::string reason() const {
-    const bool is_held = end_.reason().empty() && run_.rounds.gate().holdsForOthers();
-    return is_held ? held_for_ : end_.reason();
-  }
+  /** @return why the run has ended, stands or has stopped, or what time stands for at the start. */
+  std::string reason() const;
   void take(ConnectionId id, const Connection& connection, std::string_view frame);
   void takeReport(MemberId id, std::string_view frame);
   void takeKnock(MemberId id);
   void drop(ConnectionId id, const Connection& connection, const std::string& reason);
+  void setWall(Nanoseconds wall);
+  void letLimitsStand();
   void finishRound();
+  void applyRound();
+  bool stopsHere();
   void tellLeap(Nanoseconds from);
   void handleEvents();
   void handle(const LockstepRounds::Event& event);
@@ -163,6 +182,7 @@ class LockstepSession {
   void labelIf(const std::string& why);
   void keepEnd();
 
+  LimitsClock limits_;
   LockstepRun run_;
   RunEnd end_;
   Departures departures_;

@@ -22,6 +22,8 @@ const char* phaseName(LockstepPhase phase) {
       return "limited";
     case LockstepPhase::kPaused:
       return "paused";
+    case LockstepPhase::kStopped:
+      return "stopped";
     case LockstepPhase::kIdle:
       return "idle";
     case LockstepPhase::kDeadlock:

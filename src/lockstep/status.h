@@ -86,8 +86,12 @@ struct LockstepStatus {
   std::optional<Nanoseconds> run_until;  // simulated
   std::uint64_t rounds;
   std::uint64_t leaps;
-  std::uint64_t messages;  // delivered between participants, one for each receiver
-  std::string chaos;       // chaosText()
+  std::uint64_t messages;              // delivered between participants, one for each receiver
+  std::uint64_t rows;                  // of the event log, so far
+  std::uint64_t stops;                 // so far
+  std::uint64_t stop_row;              // of the latest stop, from 1; 0: it was not at a row
+  std::vector<std::string> looked_at;  // names, sorted
+  std::string chaos;                   // chaosText()
 };
 
 /** @brief Makes texts about rounds and their members, which must outlive this object. */

@@ -78,6 +78,20 @@ Participant toRosMessage(const LockstepStatus::Participant& participant) {
   return message;
 }
 
+void describeCounts(const LockstepStatus& status, TimeState* state) {
+  state->repeatable = status.not_repeatable.empty();
+  state->not_repeatable_because = status.not_repeatable;
+  state->degraded_because = status.degraded;
+  state->rounds = status.rounds;
+  state->leaps = status.leaps;
+  state->messages = status.messages;
+  state->chaos = status.chaos;
+  state->rows = status.rows;
+  state->stops = status.stops;
+  state->stop_row = status.stop_row;
+  state->looked_at = status.looked_at;
+}
+
 }  // namespace
 
 LockstepMode::LockstepMode(const NodeParameters& parameters, const ros::Publisher& clock,
@@ -257,7 +271,8 @@ void LockstepMode::lookForEnd(const LockstepStatus& status) {
 std::string LockstepMode::notable(const LockstepStatus& status) const {
   std::string all = moves(status.phase) ? "moving" : phaseName(status.phase);
   all += status.phase == LockstepPhase::kWaiting ? " waiting " : " ";
-  all += std::to_string(status.paused) + " " + std::to_string(status.not_repeatable.size()) + " " +
+  all += std::to_string(status.paused) + " " + std::to_string(status.stops) + " " +
+         joined(status.looked_at) + " " + std::to_string(status.not_repeatable.size()) + " " +
          std::to_string(status.degraded.size()) + " " + status.reason;
   for (const LockstepStatus::Participant& participant : status.participants) {
     all += " " + std::to_string(participant.id);
@@ -304,6 +319,9 @@ void LockstepMode::updateBystanders(const LockstepStatus& status) {
 void LockstepMode::describe(TimeState& state) {
   const LockstepStatus status = server_->status();
   const Nanoseconds wall = wallNow();
+  if (status.paused && event_log_) {
+    event_log_->flush();  // who hears of it may read the file up to here
+  }
   state.paused = status.paused;
   state.sim_time = toRos(status.time);
   state.wanted_factor = status.limit;
@@ -325,14 +343,8 @@ void LockstepMode::describe(TimeState& state) {
   for (const LockstepStatus::Participant& participant : status.participants) {
     state.participants.push_back(toRosMessage(participant));
   }
+  describeCounts(status, &state);
   state.bystanders = bystanders_;
-  state.repeatable = status.not_repeatable.empty();
-  state.not_repeatable_because = status.not_repeatable;
-  state.degraded_because = status.degraded;
-  state.rounds = status.rounds;
-  state.leaps = status.leaps;
-  state.messages = status.messages;
-  state.chaos = status.chaos;
   state.cores = server_->cores();
   state.event_log = parameters_.event_log;
   state.event_log_error = event_log_ ? event_log_->error() : "";

@@ -38,6 +38,7 @@ class LockstepMode : public TimeMode {
   ~LockstepMode() override;
 
   const char* name() const override { return "lockstep"; }
+  LockstepServer* lockstep() override { return server_.get(); }
   Nanoseconds now() const override { return server_->now(); }
   bool work() override;
   Nanoseconds nextWork() const override;

@@ -25,6 +25,7 @@
 #include "clock/shown_text.h"
 #include "clock_listeners.h"
 #include "clock_watch.h"
+#include "debugger_services.h"
 #include "lockstep_mode.h"
 #include "master_call_guard.h"
 #include "own_address.h"
@@ -56,12 +57,6 @@ std::string numbered(const std::string& path, int run) {
              : path.substr(0, dot) + "_" + std::to_string(run) + path.substr(dot);
 }
 
-/** @brief Return an instant or duration of ROS in ns; exact, also if it is negative. */
-template <typename RosTime>
-Nanoseconds fromRos(const RosTime& time) {
-  return static_cast<Nanoseconds>(time.sec) * kNanosecondsPerSecond + time.nsec;
-}
-
 }  // namespace
 
 class TimeMasterNode {
@@ -70,7 +65,9 @@ class TimeMasterNode {
                  ClockWatch& watch)
       : watch_(watch),
         parameters_(parameters),
-        state_gap_(static_cast<Nanoseconds>(1e9 / parameters.state_rate)) {
+        state_gap_(static_cast<Nanoseconds>(1e9 / parameters.state_rate)),
+        debugger_services_(
+            own, [this] { return mode_->lockstep(); }, [this] { changed_ = true; }) {
     // Left by a run that was killed; participants would take it for the address of this run.
     ros::param::del("/time_master/lockstep_address");
     clock_publisher_ = listeners_.advertise(node);
@@ -281,6 +278,7 @@ class TimeMasterNode {
   std::unique_ptr<TimeMode> mode_;
   ros::Subscriber factor_subscriber_;
   std::vector<ros::ServiceServer> services_;
+  DebuggerServices debugger_services_;
 };
 
 namespace {

@@ -33,6 +33,7 @@ void OnlookerWait::hold(LockstepServer& server, const std::string& what) {
 }
 
 void OnlookerWait::work(LockstepServer& server, Nanoseconds wall) {
+  wall = server.with([&](LockstepSession& session) { return session.limitsNow(wall); });
   if (is_over_ || wall < due_) {
     return;
   }

@@ -19,6 +19,12 @@ inline ros::Time toRos(Nanoseconds time) {
                    static_cast<uint32_t>(time % kNanosecondsPerSecond));
 }
 
+/** @brief Return an instant or duration of ROS in ns; exact, also if it is negative. */
+template <typename RosTime>
+Nanoseconds fromRos(const RosTime& time) {
+  return static_cast<Nanoseconds>(time.sec) * kNanosecondsPerSecond + time.nsec;
+}
+
 inline std::string text(Nanoseconds time) {
   char buffer[40];
   std::snprintf(buffer, sizeof(buffer), "%lld.%09lld s",
@@ -32,6 +38,8 @@ inline std::string text(double value) {
   std::snprintf(buffer, sizeof(buffer), "%.12g", value);
   return buffer;
 }
+
+class LockstepServer;
 
 /**
  * @brief Decides how simulated time moves, and publishes it on /clock. For one thread.
@@ -53,6 +61,8 @@ class TimeMode {
   TimeMode& operator=(const TimeMode&) = delete;
 
   virtual const char* name() const = 0;
+  /** @return the server of lockstep; null on the scaled clock. */
+  virtual LockstepServer* lockstep() { return nullptr; }
   virtual Nanoseconds now() const = 0;
 
   /** @brief Do the work that is due. @return whether the state should be published now. */

@@ -38,8 +38,8 @@ class InLockstep(Logged):
 
     def __enter__(self):
         self.ros.__enter__()
-        self._log = os.path.join(self.ros.log_dir, 'events.jsonl')
-        self._master = self.ros.run('time_master', 'time_master', parameters={**self._clock, 'event_log': self._log})
+        self.log = os.path.join(self.ros.log_dir, 'events.jsonl')
+        self._master = self.ros.run('time_master', 'time_master', parameters={**self._clock, 'event_log': self.log})
         return self
 
     def end_of(self, *children):
@@ -61,7 +61,7 @@ class InLockstep(Logged):
         finally:
             self.ros.close()
         if kind is None:
-            self.read_log(self._log)
+            self.read_log(self.log)
 
 
 def printed(text):

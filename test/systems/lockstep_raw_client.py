@@ -17,7 +17,7 @@ import rosgraph
 from waiting import GUARD, wait_for
 
 ADDRESS = '/time_master/lockstep_address'
-PROTOCOL = 11
+PROTOCOL = 12
 NEVER = 2 ** 63 - 1
 
 HELLO, REPORT, KNOCK, LEAVE, STOPPING = 1, 2, 3, 4, 5

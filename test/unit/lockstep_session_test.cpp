@@ -312,7 +312,7 @@ TEST(Malformed, GreetingsAreChecked) {
   EXPECT_EQ(stage.end[1], "the first frame must be HELLO, got another type");
   stage.session.connect(2, stage.wall);
   stage.frame(2, wire::Hello{9, "/a", "", 0, false, 0, ""});
-  EXPECT_NE(stage.end[2].find("protocol must be 11, got 9 from '/a'"), std::string::npos);
+  EXPECT_NE(stage.end[2].find("protocol must be 12, got 9 from '/a'"), std::string::npos);
   stage.session.connect(3, stage.wall);
   stage.frame(3, wire::Hello{wire::kProtocol, "", "", 0, false, 0, ""});
   EXPECT_EQ(stage.end[3], "HELLO must have a name, got an empty one");

@@ -83,7 +83,7 @@ struct Walkers : Stage {
     std::vector<std::string> log;
     bool is_over = false;
     while (!is_over) {
-      is_over = true;
+      is_over = !goOn();
       std::vector<std::size_t> order(actors.size());
       for (std::size_t k = 0; k < order.size(); ++k) {
         order[k] = k;
@@ -100,6 +100,22 @@ struct Walkers : Stage {
       }
     }
     return log;
+  }
+
+  /** @brief Leave a stop, if it stands at one, and stop again soon. @return whether it stood. */
+  bool goOn() {
+    const bool stood = phase() == "stopped";
+    if (may_stop && chance() % 2 == 0) {
+      StopCondition condition;
+      condition.what = chance() % 2 == 0 ? StopCondition::What::kRow : condition.what;
+      condition.count = chance() % 3;
+      session.stopWhen(condition);
+      poll();
+    } else if (stood) {
+      session.resume();
+      poll();
+    }
+    return stood;
   }
 
   void walk(std::size_t k, wire::Grant grant) {
@@ -164,6 +180,7 @@ struct Walkers : Stage {
   std::string_view keep(const std::string& text) { return texts.emplace_back(text); }
   Nanoseconds wish(std::size_t k) const { return actors[k].ticks > 0 ? actors[k].next : kNever; }
 
+  bool may_stop = false;
   std::vector<Actor> actors;
   std::vector<lockstep::internal::Window> windows;
   std::mt19937_64 chance;

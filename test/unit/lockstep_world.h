@@ -20,6 +20,7 @@ struct WorldOptions {
   bool knocks = false;   // at any time
   bool deaths = false;   // at any time, in the middle of a frame too
   bool leaving = false;  // with a report
+  bool stops = false;    // it stops after rounds, and goes on some time later
 };
 
 /** @return a number below its argument; whoever makes the choices decides the order of arrival. */
@@ -60,6 +61,7 @@ class World {
 
   const std::string& transcript() const { return transcript_; }
   int rounds() const { return rounds_; }
+  std::uint64_t stops() const { return session_.status().stops; }
 
  private:
   static constexpr Nanoseconds kStart = kNanosecondsPerSecond;
@@ -148,14 +150,22 @@ class World {
 
   /** @return whether anything came out of it. */
   bool poll() {
+    stopOrGoOn();
+    ExpectedRound got;
+    std::vector<std::pair<std::size_t, std::string>> grants;
+    wall_ += options_.stops ? kNanosecondsPerSecond : 0;
+    for (const LockstepSession::Output& output : session_.poll(wall_)) {
+      read(output, got, grants);
+    }
+    if (session_.phase() == LockstepPhase::kStopped) {
+      if (!grants.empty()) {
+        violate("stop", "it grants while it stands");
+      }
+      return true;
+    }
     const Nanoseconds time = model_.time();
     const bool working = model_.anyOwes();
     const ExpectedRound expected = model_.decide();
-    ExpectedRound got;
-    std::vector<std::pair<std::size_t, std::string>> grants;
-    for (const LockstepSession::Output& output : session_.poll(0)) {
-      read(output, got, grants);
-    }
     compare(expected, got, time, working);
     compareLog();
     if (grants.empty() || !violation_.empty()) {
@@ -170,6 +180,23 @@ class World {
       }
     }
     return true;
+  }
+
+  void stopOrGoOn() {
+    if (!options_.stops || choose_(3) != 0) {
+      return;
+    }
+    StopCondition condition;
+    condition.count = choose_(3);
+    if (choose_(3) == 0) {
+      condition.what = StopCondition::What::kRow;
+      condition.count = choose_(5);
+    }
+    if (choose_(2) == 0) {
+      session_.stopWhen(condition);
+    } else if (session_.phase() == LockstepPhase::kStopped) {
+      session_.resume();
+    }
   }
 
   void read(const LockstepSession::Output& output, ExpectedRound& got,
@@ -274,6 +301,7 @@ class World {
   std::vector<Wire> wires_;
   std::vector<Script> scripts_;
   std::size_t deaths_ = 0;
+  Nanoseconds wall_ = 0;
   std::size_t logged_ = 0;
   int rounds_ = 0;
   std::string transcript_;

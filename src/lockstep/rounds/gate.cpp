@@ -1,5 +1,6 @@
 #include "gate.h"
 
+#include <algorithm>
 #include <string>
 
 #include "clock/argument_check.h"
@@ -28,8 +29,26 @@ void RoundGate::runUntil(Nanoseconds present, Nanoseconds target) {
   open(false, checkedTarget(present, target));
 }
 
+void RoundGate::awaitStop(Nanoseconds present, Nanoseconds until) {
+  refuseIfEnded("stop_when");
+  open(false, until == 0 ? std::nullopt : std::make_optional(checkedTarget(present, until)));
+  awaits_stop_ = true;
+}
+
+void RoundGate::stop() {
+  open(false, {});
+  stopped_ = true;
+}
+
+void RoundGate::pauseAtLatest(Nanoseconds end) {
+  if (!paused_ && !stopped_) {
+    target_ = std::min(target_.value_or(end), end);
+  }
+}
+
 void RoundGate::open(bool is_paused, std::optional<Nanoseconds> target) {
   paused_ = is_paused;
+  stopped_ = awaits_stop_ = false;
   target_reached_ = false;
   target_ = target;
 }
@@ -74,6 +93,7 @@ Nanoseconds RoundGate::leapWall(Nanoseconds from, Nanoseconds to) const {
 
 void RoundGate::reach() {
   paused_ = true;
+  awaits_stop_ = false;
   target_reached_ = true;
   target_.reset();
 }

@@ -1,4 +1,4 @@
-// Controls a run from outside: pause, step, run until, speed limit, end.
+// Controls a run from outside: pause, step, run until, stops, speed limit, end.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,16 @@
 namespace move_base_abstract {
 
 /**
- * @brief Decides whether time may go on. Of pause, resume, step and runUntil, the last one called
- * wins.
+ * @brief Decides whether time may go on. Of pause, resume, step, runUntil and awaitStop, the last
+ * one called wins.
  *
  * A refused call throws std::invalid_argument, which says what was got and what is allowed; it
  * changes nothing.
  */
 class RoundGate {
  public:
-  RoundGate(double limit, bool is_paused) : paused_(is_paused), limit_(checkedLimit(limit)) {}
+  RoundGate(double limit, bool is_paused, bool is_stopped)
+      : paused_(is_paused), stopped_(is_stopped), limit_(checkedLimit(limit)) {}
 
   void pause();
   void resume();
@@ -25,6 +26,14 @@ class RoundGate {
    * still under way, and pause there. @return the target [ns]. */
   Nanoseconds step(Nanoseconds present, Nanoseconds duration);
   void runUntil(Nanoseconds present, Nanoseconds target);
+  /** @brief Run until stop() is called, or pause at @p until; 0: nowhere. */
+  void awaitStop(Nanoseconds present, Nanoseconds until);
+  /** @brief Let time stand between two rounds: those of the present instant stand, too. */
+  void stop();
+  /** @brief Leave a stop, if time stands at one. */
+  void leaveStop() { stopped_ = false; }
+  /** @brief If time goes on, pause at @p end at the latest. */
+  void pauseAtLatest(Nanoseconds end);
   /** @brief Limit the speed to @p factor simulated s per wall s (0.01 to 1e6); 0: no limit. */
   void setLimit(double factor);
   void end(Nanoseconds at) { ended_ = at; }
@@ -33,7 +42,9 @@ class RoundGate {
   bool holdsForOthers() const { return holds_for_others_; }
 
   bool ended() const { return ended_.has_value(); }
-  bool paused() const { return paused_ || holds_for_others_; }
+  bool paused() const { return paused_ || stopped_ || holds_for_others_; }
+  bool stopped() const { return stopped_; }
+  bool awaitsStop() const { return awaits_stop_; }
   std::optional<Nanoseconds> target() const { return target_; }
   double limit() const;
   /**
@@ -64,6 +75,8 @@ class RoundGate {
   void open(bool is_paused, std::optional<Nanoseconds> target);
 
   bool paused_;
+  bool stopped_;
+  bool awaits_stop_ = false;
   bool holds_for_others_ = false;
   std::optional<Nanoseconds> ended_;
   std::optional<Nanoseconds> target_;

@@ -10,7 +10,7 @@ LockstepRounds::LockstepRounds(const LockstepSettings& settings)
       clock_{std::max<Nanoseconds>(1, toNanoseconds(settings.start_time))},
       mail_(members_, clock_, settings.lookahead > 0.0, settings.keep_unread),
       windows_(members_, clock_, mail_, outside_, toNanoseconds(settings.lookahead)),
-      gate_(settings.limit, settings.start_paused),
+      gate_(settings.limit, settings.start_paused, settings.start_stopped),
       watch_(members_, toNanoseconds(settings.silence_limit)) {}
 
 // ---- members ---------------------------------------------------------------------------------
@@ -344,57 +344,6 @@ std::vector<LockstepRounds::Event> LockstepRounds::takeEvents() {
   std::vector<Event> events;
   events.swap(events_);
   return events;
-}
-
-Nanoseconds LockstepRounds::nextWake() const {
-  if (ended() || zero_delay_loop_) {
-    return kNever;
-  }
-  if (!started_) {
-    const bool settling = settings_.participants.empty() && !members_.all().empty();
-    return settling ? addSaturated(last_join_, toNanoseconds(settings_.settle)) : kNever;
-  }
-  if (!settled()) {
-    return watch_.nextLook();
-  }
-  return gate_.isHeldByLimit() ? gate_.leapWall(clock_.time, gate_.stopBefore(nextTime())) : kNever;
-}
-
-/** @return the instant to which time goes on; kNever: there is no reason to go on. */
-Nanoseconds LockstepRounds::nextTime() const {
-  return windows_.areThere() ? std::min(windows_.begin(), outside_.next())
-                             : members_.nextTime(outside_.next());
-}
-
-// ---- state -----------------------------------------------------------------------------------
-
-bool LockstepRounds::atRest() const {
-  return started_ && settled() && (idle_ || zero_delay_loop_ || gate_.stands());
-}
-
-LockstepPhase LockstepRounds::phase(Nanoseconds wall) const {
-  if (ended()) {
-    return LockstepPhase::kEnded;
-  }
-  if (!started_) {
-    return LockstepPhase::kWaitingForParticipants;
-  }
-  if (zero_delay_loop_) {
-    return LockstepPhase::kZeroDelayLoop;
-  }
-  if (!settled()) {
-    return watch_.isLong(wall) ? LockstepPhase::kWaiting : LockstepPhase::kRunning;
-  }
-  if (idle_ && members_.areStuck(owed_ > 0)) {
-    return LockstepPhase::kDeadlock;
-  }
-  if (gate_.paused()) {
-    return LockstepPhase::kPaused;
-  }
-  if (idle_) {
-    return LockstepPhase::kIdle;
-  }
-  return gate_.isHeldByLimit() ? LockstepPhase::kLimited : LockstepPhase::kRunning;
 }
 
 }  // namespace move_base_abstract

@@ -24,6 +24,7 @@ enum class LockstepPhase {
   kWaiting,        // the same, but a report takes more than 1 s of wall time
   kLimited,        // the speed limit holds the next leap back
   kPaused,         // the present instant is finished, and time may not go on
+  kStopped,        // time stands between two rounds, see RoundGate::stop()
   kIdle,           // no member has a wake-up
   kDeadlock,       // the same, but a member waits for something, see areStuck()
   kZeroDelayLoop,  // too many microsteps at one instant; no more grants

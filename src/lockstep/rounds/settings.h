@@ -21,6 +21,7 @@ struct LockstepSettings {
   double lookahead = 0.0;
   double limit = 0.0;  // simulated s per wall s at most, 0.01 to 1e6; 0: none
   bool start_paused = false;
+  bool start_stopped = false;              // stopped before the first round
   std::uint32_t max_microsteps = 100'000;  // at one instant, at least 1
   double silence_limit = 10.0;             // wall s that a report may take, 0.001 to 86400; 0: any
   double longest_leap = 86400.0;           // s simulated; a longer leap of time is told
@@ -34,6 +35,7 @@ struct LockstepSettings {
   bool strict = false;                  // the first label ends the run
   bool log_messages = false;            // messages and calls between participants are logged, too
   bool keeps_bytes = false;             // log entries have the bytes that were sent
+  int keep_messages = 0;                // messages of each topic to keep, see KeptMessages
   std::vector<std::string> excluded_topics;  // do not go through the time master
   // "TOPIC" or "NODE=TOPIC": messages there are no reason for a grant, and come with the next one
   std::vector<std::string> stored_topics;

@@ -19,6 +19,26 @@ wire::Delivery toPublishers(wire::Delivery what) {
 
 }  // namespace
 
+const char* MessageRouter::Delivery::kindName() const {
+  return !lost.empty()            ? "lost"
+         : kind == Kind::kMessage ? "message"
+         : kind == Kind::kCall    ? "call"
+                                  : "response";
+}
+
+std::string MessageRouter::Delivery::from(const NameOf& name_of) const {
+  return sender_name.empty() && sender != 0 ? name_of(sender) : std::string(sender_name);
+}
+
+std::vector<std::string> MessageRouter::Delivery::to(const NameOf& name_of) const {
+  std::vector<std::string> names;
+  for (const MemberId id : receivers) {
+    names.push_back(name_of(id));
+  }
+  std::sort(names.begin(), names.end(), naturalLess);
+  return names;
+}
+
 MessageRouter::MessageRouter(Post post, Place place, Trace trace)
     : post_(std::move(post)), place_(std::move(place)), trace_(std::move(trace)) {}
 
@@ -306,6 +326,18 @@ std::string_view MessageRouter::typeOf(const Topic& topic, MemberId sender) {
   for (const Advertised& publisher : topic.publishers) {
     if (publisher.member == sender) {
       return publisher.type;
+    }
+  }
+  return {};
+}
+
+std::string_view MessageRouter::md5Of(std::string_view topic, MemberId sender) const {
+  const auto found = topic_numbers_.find(topic);
+  if (found != topic_numbers_.end()) {
+    for (const Advertised& publisher : topics_[found->second].publishers) {
+      if (publisher.member == sender) {
+        return publisher.md5;
+      }
     }
   }
   return {};

@@ -55,6 +55,11 @@ class MessageRouter {
     std::string_view type = {};         // of a message
     std::string_view lost = {};         // why it is lost; '' if it arrives
     std::string_view sender_name = {};  // if the sender may have gone; else ''
+
+    using NameOf = std::function<std::string(MemberId)>;
+    const char* kindName() const;  // as in the event log
+    std::string from(const NameOf& name_of) const;
+    std::vector<std::string> to(const NameOf& name_of) const;  // in natural order
   };
 
   using Post = std::function<void(MemberId receiver, Mail mail)>;
@@ -67,6 +72,9 @@ class MessageRouter {
    * @param trace if given, is called for everything that was delivered.
    */
   MessageRouter(Post post, Place place, Trace trace = {});
+
+  /** @brief Call @p trace for everything that is delivered from now on. */
+  void setTrace(Trace trace) { trace_ = std::move(trace); }
 
   /**
    * @brief Set the topics whose messages are kept for the receiver's next grant. Call this first.
@@ -109,6 +117,8 @@ class MessageRouter {
   std::uint64_t messages() const { return messages_; }  // delivered, one for each receiver
   /** @return the name of a topic, by a participant's own number for it; '' if there is none. */
   std::string_view topicName(MemberId id, std::uint32_t number) const;
+  /** @return the md5 with which @p sender advertises the topic; '' if it does not. */
+  std::string_view md5Of(std::string_view topic, MemberId sender) const;
   std::size_t topics() const { return topics_.size(); }
   std::size_t openCalls() const { return calls_.size(); }
   /** @return the number of waits for services that no participant serves yet. */

@@ -34,8 +34,8 @@ def _numbers(layouts: Any, names: Any) -> Any:
     return (layouts[name].number for name in names.split())
 
 
-HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY, CRASHING = _numbers(
-    FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY CRASHING')
+HELLO, REPORT, KNOCK, LEAVE, STOPPING, BUSY, CRASHING, LOOKED = _numbers(
+    FRAMES, 'HELLO REPORT KNOCK LEAVE STOPPING BUSY CRASHING LOOKED')
 WELCOME, MEMBER, GONE, GRANT, END = _numbers(FRAMES, 'WELCOME MEMBER GONE GRANT END')
 # The kinds, the first byte, of those items that other modules use.
 SEND, CALL, RESPONSE = _numbers(ITEMS, 'SEND CALL RESPONSE')
@@ -169,6 +169,11 @@ def crashing() -> bytes:
 def busy(round_number: int, where: str) -> bytes:
     """Return the frame by which a participant says what it is doing, if its work on a grant takes long."""
     return frame(BUSY, _busy(round_number, where))
+
+
+def looked(is_looked_at: bool) -> bytes:
+    """Return the frame by which a participant says that somebody looks at it in a debugger, or no more."""
+    return frame(LOOKED, bytes([is_looked_at]))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from collections import namedtuple
 #: one frame or item: its number on the wire, its name, its fields in their order
 Layout = namedtuple('Layout', 'number name fields')
 
-PROTOCOL = 11
+PROTOCOL = 12
 NEVER = 2 ** 63 - 1
 #: added to the index of a robot: the motion of its odometry, instead of its own
 ODOMETRY = 2 ** 31
@@ -58,6 +58,8 @@ PARTICIPANT_FRAMES = (
     # The work on a grant takes long. where: what the thread that has the turn is doing, the innermost function last.
     Layout(6, 'BUSY', ('u64 round', 'text where')),
     Layout(7, 'CRASHING', ()),  # it ends now, by its own doing, and says no more
+    # Somebody looks at it in a debugger from now on, or no more: its work on a grant has no limits meanwhile.
+    Layout(8, 'LOOKED', ('flag is_looked_at',)),
 )
 
 MASTER_FRAMES = (

@@ -15,6 +15,7 @@ NEXT = {
     'waiting_for_participants': 'which node is waited for, and whether it takes part at all: rosrun move_base_abstract '
                                 'lockstep_launch --list FILE',
     'paused': 'rosservice call {}/resume',
+    'stopped': 'rosservice call {}/resume',
     'limited': 'a run as fast as possible: without --speed-limit',
     'idle': 'a run that ends here: lockstep_launch --end-when-idle FILE',
     'deadlock': 'which node waits for which, in the log: lockstep_launch --check --log-messages --event-log '
@@ -31,6 +32,7 @@ PHASES = {
     'waiting': 'stands still: a participant has not reported for a while',
     'limited': 'moves, held back by the speed limit',
     'paused': 'stands still: paused',
+    'stopped': 'stands still: stopped, for somebody who looks at it',
     'idle': 'stands still: no participant wants to wake up (idle); a message from outside or a new participant '
     'wakes the run',
     'deadlock': 'stands still: deadlock',
@@ -87,8 +89,10 @@ def _scaled_lines(state: Any) -> List[str]:
 
 
 def _gate_lines(state: Any) -> Iterator[str]:
-    if state.paused and state.phase != 'paused':
+    if state.paused and state.phase not in ('paused', 'stopped'):
         yield 'paused: no leap after the present instant'
+    if state.looked_at:
+        yield f'somebody looks at {_some(state.looked_at)} in a debugger: limits of wall time stand while it works'
     if state.run_until:
         yield f'stops at {_time(state.run_until)}'
     if state.wanted_factor:

@@ -36,7 +36,10 @@ constexpr ParameterRow kParameterTable[] = {
      "200."},
     {"start_time", "number", "s, simulated", "1", "1e-6 to 2e9", "The first instant."},
     {"start_paused", "true or false", "", "false", "true, false",
-     "Whether time stands still until resume, step or run_until."},
+     "Whether time stands still until resume, step, run_until or stop_when."},
+    {"start_stopped", "true or false", "", "false", "true, false",
+     "Whether the run is stopped before its first round, until resume, step, run_until or "
+     "stop_when; for lockstep only."},
     {"repeat_rate", "number", "Hz, wall", "20", "1 to 1000",
      "Rate at which the last time is repeated while there is no new one."},
     {"longest_gap", "number", "s, wall", "0.25", "0.2 to 3e9",
@@ -100,6 +103,9 @@ constexpr ParameterRow kParameterTable[] = {
      "`at_ns`, `rounds`, `leaps`, `messages`."},
     {"log_messages", "true or false", "", "false", "true, false",
      "Whether messages and calls between participants are events of the log, too."},
+    {"keep_messages", "whole number", "", "0", "0 to 100000",
+     "Number of the latest messages of each topic and service that are kept for `~recent`, at most "
+     "16 MiB of each; for lockstep only."},
     {"event_log_of_ends", "true or false", "", "false", "true, false",
      "Whether the log has only its end and the events of uncaught exceptions."},
     {"strict", "true or false", "", "false", "true, false",

@@ -160,6 +160,8 @@ inline void readLockstepParameters(ParameterReader& reader, NodeParameters& para
   reader.read("max_microsteps", max_microsteps);
   readEnd(reader, parameters);
   reader.read("log_messages", lockstep.log_messages);
+  reader.read("start_stopped", lockstep.start_stopped);
+  reader.read("keep_messages", lockstep.keep_messages);
   reader.read("sim_time_factor_is_limit", parameters.sim_time_factor_is_limit);
   reader.read("lockstep_port", parameters.lockstep_port);
   readCores(reader, parameters);
