@@ -34,6 +34,8 @@ class Scheduler(Looking, Beside):
 
     #: for all schedulers of the process: called in each application thread, with True when it begins, False at its end
     thread_changes: Optional[Callable[[bool], object]] = None
+    #: called in each application thread when it has been given the turn
+    turn_begins: Optional[Callable[[], object]] = None
 
     def __init__(self, channel: Any) -> None:
         self._channel = channel
@@ -98,7 +100,12 @@ class Scheduler(Looking, Beside):
         self._enter(task)
         task.parking.acquire()
         if not self.is_closed:
-            self.turn_ident = task.ident
+            self._take_turn(task)
+
+    def _take_turn(self, task: Task) -> None:
+        self.turn_ident = task.ident
+        if self.turn_begins is not None:
+            self.turn_begins()
 
     def finish(self) -> None:
         """Pass the turn on; an application thread calls this last."""
@@ -307,7 +314,7 @@ class Scheduler(Looking, Beside):
         task.parking.acquire()
         if self.is_closed:
             raise TurnLost()
-        self.turn_ident = task.ident
+        self._take_turn(task)
 
     def _worker(self) -> Task:
         """Return a worker that is free."""
@@ -341,7 +348,7 @@ class Scheduler(Looking, Beside):
         self._enter(task)
         try:
             while not self.is_closed:
-                self.turn_ident = task.ident
+                self._take_turn(task)
                 self._work_on(task)
         except TurnLost:
             pass

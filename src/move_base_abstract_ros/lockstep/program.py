@@ -15,6 +15,7 @@ from ..replacing import rospy_start
 from ..replacing.replaced import replace
 from .code import callers, objects, own_code, turns
 from .code.labels import told
+from .debugging import VARIABLE
 from .exchange import access
 from .machine import arenas, chance, clocks, identity, sqlite, unrepeatable_calls
 from .machine.files import files
@@ -27,6 +28,7 @@ from .waiting import event_loops, kernel_waits, threads, watchdog
 if TYPE_CHECKING:
     import argparse
 
+    from .debugging.attaching import Attached
     from .participation.early import Early
     from .participation.taking_part import Participant
 
@@ -49,11 +51,15 @@ def run(kind: str, path: str, arguments: Sequence[str], options: argparse.Namesp
         _execute(kind, path, arguments, lambda source, path: compile(source, path, 'exec', dont_inherit=True),
                  lambda _source: {})
         return
+    name = node_name(kind, path, arguments)
+    attached = _attached(name, path)
     threads.replace_locks()
     own_code.install(callers.is_of_program)
-    entry = _Joining(options, node_name(kind, path, arguments))
+    entry = _Joining(options, name, attached)
     _watch(options, binary.node_name(path, arguments, os.environ), entry.early)
     entry.install()
+    if attached is not None:
+        attached.debugger.turn_begins()
     try:
         _execute(kind, path, arguments, own_code.compile_own, own_code.names_of_script)
     except SystemExit as error:
@@ -81,6 +87,15 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     arenas.install(os.environ)
 
 
+def _attached(name: str, path: str) -> Optional[Attached]:
+    """Return the debugger of this process if the run has one. It is imported before anything is replaced."""
+    socket_path = os.environ.get(VARIABLE, '')
+    if not socket_path:
+        return None
+    from .debugging.attaching import attach
+    return attach(socket_path, name, path)
+
+
 def _has_master() -> bool:
     """Return whether the time master is in lockstep. If the ROS master cannot be asked, the program will find out."""
     try:
@@ -93,8 +108,9 @@ def _has_master() -> bool:
 class _Joining:
     """Makes the program take part when it calls rospy.init_node, or when it first waits for another node before."""
 
-    def __init__(self, options: argparse.Namespace, name: str) -> None:
+    def __init__(self, options: argparse.Namespace, name: str, attached: Optional[Attached]) -> None:
         self._rank = options.rank
+        self._attached = attached
         self._is_node = False
         self._is_strict = options.strict
         turns.install()
@@ -127,6 +143,8 @@ class _Joining:
             joined.be_strict()
         for follower in (told, native, files, arenas):
             follower.follow(joined)
+        if self._attached is not None:
+            self._attached.follow(joined)
         if joined is not None and not address_layout.is_as_wanted(os.environ):
             joined.label(address_layout.LABEL)
         if joined is not None and not _is_one_hash():

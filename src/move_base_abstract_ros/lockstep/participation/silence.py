@@ -44,7 +44,7 @@ def _watch(participant: Participant, limit: float) -> None:
     while not participant.scheduler.is_closed:
         select.select([], [], [], min(_SHORT_GAP if outside.has_found else _LONGEST_GAP, limit / _LOOKS_PER_LIMIT))
         granted, now = participant.rounds.granted, time.monotonic()
-        if granted != round_number:
+        if granted != round_number or participant.is_looked_at:
             round_number, since = granted, now
         elif granted is not None:
             if granted != told and now - since >= limit:

@@ -50,6 +50,8 @@ class Participant:
         self.parameters: Optional[Parameters] = None
         #: whether the node has been told to end, at some moment of the wall clock
         self.is_told_to_end = False
+        #: whether a thread stands at a debugger's prompt, so that no limit of wall time counts
+        self.is_looked_at = False
         self.topics = Topics(self)
         self.services = Services(self)
 

@@ -1,0 +1,217 @@
+"""pdb in nodes of a run in lockstep: where it stops, what it shows, and that passed breakpoints change nothing."""
+import os
+import select
+import subprocess
+import tempfile
+import unittest
+
+from own_folder import OwnPackage, events_of
+from waiting import GUARD
+
+from move_base_abstract.runs.event_log import labels_of
+from move_base_abstract_ros.debugging.node_sessions import NodeSessions
+from move_base_abstract_ros.loopback import find_executable
+
+TALKER = """#!/usr/bin/env python3
+import rospy
+from std_msgs.msg import Int32, String
+rospy.init_node('talker')
+rospy.Subscriber('/told', String, str)
+publisher = rospy.Publisher('/numbers', Int32, queue_size=10)
+rate = rospy.Rate(10)
+n = 0
+while not rospy.is_shutdown():
+    publisher.publish(n)
+    n += 1
+    try:
+        rate.sleep()
+    except rospy.ROSInterruptException:
+        break
+"""
+LISTENER = """#!/usr/bin/env python3
+import threading
+import rospy
+from std_msgs.msg import Int32, String
+import arithmetic
+
+class Robot:
+    pass
+
+class Listener:
+    def __init__(self):
+        self.total, self.is_ready = 0, False
+        self.robots = [Robot() for _ in range(5)]
+        self.out = rospy.Publisher('/told', String, queue_size=10)
+        rospy.Subscriber('/numbers', Int32, self.hear)
+        threading.Thread(target=self.work, daemon=True).start()
+
+    def hear(self, message):
+        import late_arithmetic
+        self.total += arithmetic.double(message.data)
+        self.total = late_arithmetic.plus(self.total)
+        self.is_ready = self.total > 20
+
+    def work(self):
+        count = 0
+        while not self.is_ready:
+            pass
+        while not rospy.is_shutdown():
+            count += 1
+            try:
+                rospy.sleep(0.7)
+            except rospy.ROSInterruptException:
+                break
+            self.out.publish('{} {} {}'.format(count, self.total, sorted(map(repr, set(self.robots[:count])))))
+
+rospy.init_node('listener')
+listener = Listener()
+rospy.spin()
+"""
+ARITHMETIC = """def double(x):
+    return x + x
+"""
+LATE = """def plus(x):
+    y = x + 1
+    return y
+"""
+#: as catkin makes one for the devel space
+RELAY = """#!/usr/bin/env python3
+python_script = '{}'
+with open(python_script, 'r') as fh:
+    context = {{'__builtins__': __builtins__, '__doc__': None, '__file__': python_script, '__name__': __name__}}
+    exec(compile(fh.read(), python_script, 'exec'), context)
+"""
+NODES = '<node pkg="study_of_others" type="talker.py" name="talker"/>' \
+        '<node pkg="study_of_others" type="listener.py" name="listener">{}</node>'
+
+
+def line_of(text, words):
+    """Return the number of the line of a text that has these words."""
+    return next(number for number, line in enumerate(text.splitlines(), 1) if words in line)
+
+
+HEAR = line_of(LISTENER, 'arithmetic.double')
+SHOW = line_of(LISTENER, 'self.out.publish')
+AFTER_WAIT = line_of(LISTENER, 'while not rospy')
+
+
+class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
+    FILES = {'talker.py': TALKER, 'listener.py': LISTENER, 'arithmetic.py': ARITHMETIC, 'late_arithmetic.py': LATE}
+
+    def setUp(self):
+        super().setUp()
+        self.launch_file = self.write('two.launch', '<launch>{}</launch>'.format(NODES.format('')))
+        self.shown, self.stops, self.news = [], [], []
+
+    def plain(self):
+        """Return the bytes of the log of a run without a debugger."""
+        self.launch('plain.jsonl', '--until', '5', '--log-messages', self.launch_file)
+        with open(self.path('plain.jsonl'), 'rb') as stream:
+            return stream.read()
+
+    def debugged(self, places, commands, wanted='', launch_file='', typed_in='/listener'):
+        """Run with breakpoints; type ``commands`` in the node ``typed_in``, else continue. Return the log's bytes.
+
+        ``wanted``: the name of a node that stops at its first line. A command None is the end of the commands.
+        """
+        commands = list(commands)
+
+        def read(node):
+            return commands.pop(0) if commands and node == typed_in else 'continue'
+        self.shown, self.stops, self.news = [], [], []
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+            sessions = NodeSessions(folder, places)
+            if wanted:
+                sessions.stop_in(wanted)
+            self.addCleanup(sessions.close)
+            with open(self.path('output'), 'wb') as output:
+                run = subprocess.Popen(
+                    [find_executable('lockstep_launch'), '--event-log', self.path('debugged.jsonl'), '--until', '5',
+                     '--log-messages', launch_file or self.launch_file],
+                    env={**self.environment, **sessions.environment}, stdin=subprocess.DEVNULL, stdout=output,
+                    stderr=output, cwd=self.folder)
+            self.addCleanup(run.wait)
+            self.addCleanup(run.kill)
+            while run.poll() is None:
+                self.assertTrue(select.select([sessions], [], [], GUARD)[0], 'no news')
+                for one in sessions.news():
+                    self.news.append(one)
+                    if one.kind == 'stopped':
+                        self.stops.append(one.text)
+                        sessions.talk(one.node, lambda _prompt, node=one.node: read(node), self.shown.append)
+                    elif one.kind == 'gone' and not sessions.nodes:
+                        run.wait(GUARD)
+        with open(self.path('output')) as said:
+            self.assertEqual(run.returncode, 0, said.read())
+        self.assertEqual(commands, [])
+        with open(self.path('debugged.jsonl'), 'rb') as stream:
+            return stream.read()
+
+    @property
+    def text(self):
+        return ''.join(self.shown)
+
+    def places_of_stops(self):
+        return [stop.split(' in ')[0].rpartition('/')[2] for stop in self.stops]
+
+    def test_passed_breakpoints_leave_the_log_as_it_is(self):
+        plain = self.plain()
+        places = [('listener.py', HEAR, ''), ('listener.py', SHOW, '/listener'), ('listener.py', AFTER_WAIT, ''),
+                  ('arithmetic.py', 2, ''), ('late_arithmetic.py', 3, ''), ('talker.py', 10, '/listener'),
+                  (self.path('talker.py'), 11, '')]
+        found = self.debugged(places, ['where', 'p self.robots', 'p self.robots[3] in set(self.robots)', 'args'])
+        self.assertEqual(found, plain)
+        stops = self.places_of_stops()
+        self.assertEqual({*stops}, {'listener.py:{}'.format(line) for line in (HEAR, SHOW, AFTER_WAIT)} | {
+            'arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:11'})
+        self.assertEqual([stops.count(one) for one in ('arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:11')],
+                         [40, 40, 41])
+        self.assertIn('Robot object at 0x', self.text)
+        self.assertEqual([one for one in self.news if one.kind in ('touched', 'refused')], [])
+        self.assertEqual(labels_of(events_of(self.path('debugged.jsonl'))[0].end), [])
+
+    def test_steps_of_all_kinds_leave_the_log_as_it_is(self):
+        plain = self.plain()
+        commands = ['next', 'step', 'step', 'return', 'next', 'step', 'step', 'up', 'down', 'until', 'next', 'next',
+                    'step', 'step', 'tbreak {}'.format(SHOW), 'list', 'continue', 'clear', 'frames all', 'step',
+                    'where', 'continue']
+        self.assertEqual(self.debugged([('listener.py', HEAR - 1, '/listener')], commands), plain)
+        self.assertIn('/late_arithmetic.py(1)plus()', self.text)
+        self.assertFalse([stop for stop in self.stops if '/move_base_abstract' in stop or '<frozen' in stop])
+
+    def test_a_node_stops_at_its_first_line_and_goes_on_without_a_debugger(self):
+        plain = self.plain()
+        for commands in (['next', 'next', 'quit'], ['next', None]):
+            self.assertEqual(self.debugged([('listener.py', HEAR, '')], commands, '/listener'), plain)
+            self.assertEqual(self.places_of_stops()[0], 'listener.py:2')
+            self.assertEqual(len(self.stops), len(commands))
+
+    def test_a_relay_of_a_devel_space_stops_in_the_real_file(self):
+        self.write('real/listener.py', LISTENER)
+        self.write('listener.py', RELAY.format(self.path('real/listener.py')), 0o755)
+        for name in ('arithmetic.py', 'late_arithmetic.py'):
+            os.rename(self.path(name), self.path('real/' + name))
+        self.environment['PYTHONPATH'] = os.pathsep.join([self.path('real'), os.environ.get('PYTHONPATH', '')])
+        self.debugged([('real/listener.py', HEAR, '')], ['p message.data', 'quit'])
+        self.assertEqual(self.places_of_stops(), ['listener.py:{}'.format(HEAR)])
+
+    def test_what_changes_the_run_is_told_and_does_so(self):
+        plain = self.plain()
+        commands = ['!self.total = 100', 'clear', 'continue']
+        self.assertNotEqual(self.debugged([('listener.py', HEAR, '')], commands), plain)
+        self.assertEqual([(one.node, one.text.split(' was')[0]) for one in self.news if one.kind == 'touched'],
+                         [('/listener', "'!self.total = 100'")])
+
+    def test_a_node_that_charges_what_it_measures_is_not_debugged(self):
+        charge = '<param name="lockstep_charge" value="measured"/>'
+        launch_file = self.write('charged.launch', '<launch>{}</launch>'.format(NODES.format(charge)))
+        self.debugged([('listener.py', HEAR, ''), ('talker.py', 11, '')], ['clear'], '', launch_file, '/talker')
+        self.assertEqual(self.places_of_stops(), ['talker.py:11'])
+        refused = [one.text for one in self.news if one.kind == 'refused']
+        self.assertEqual(len(refused), 1)
+        self.assertIn('/listener charges the time that it measures (lockstep_charge: measured)', refused[0])
+
+    def test_without_a_debug_program_that_listens_the_run_is_a_plain_one(self):
+        plain = self.plain()
+        self.environment['MOVE_BASE_ABSTRACT_DEBUG'] = self.path('nobody')
+        self.assertEqual(self.plain(), plain)
