@@ -1,10 +1,16 @@
-"""Check charge: chargers that robots cannot reach with their first charge, and places too far from any charger."""
+"""Check charge: chargers out of reach of the first charge, places and orders for which no full battery is enough."""
 from __future__ import annotations
 
+import os
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.energy.consumption import LegEnergy
+from move_base_abstract.fleet.dispatch_world import Distances, starts_of
+from move_base_abstract.orders.fleet_state import make_states
+from move_base_abstract.orders.look_ahead import LookAhead
+from move_base_abstract.orders.settings import DispatchSettings
 
 from .findings import Finding, listed
 from .ways import MOST_WAYS, leg_between, too_many
@@ -14,6 +20,7 @@ if TYPE_CHECKING:
 
     from .world import Drivers, Start, Target, World
 
+_MOST_ORDERS = 200  # of each source
 _ADVICE = 'start with more (battery_start), take a larger battery (battery_capacity), or add a charger that is nearer'
 
 
@@ -37,6 +44,8 @@ def check_charge(world: World) -> Iterator[Finding]:
         yield from _of_robot(start, need)
     for place in places:
         yield from _of_place(place, chargers, groups)
+    if len(groups) == len(world.drivers):  # otherwise a robot without a battery does the order
+        yield from _of_orders(world, chargers)
 
 
 def energy_between(drivers: Drivers, begin: Pose2D, goal: Pose2D) -> Optional[float]:
@@ -91,3 +100,24 @@ def _of_place(place: Target, chargers: Sequence[Target], groups: Sequence[Driver
         yield Finding('out_of_charge', 'place {}'.format(place.name), 'from the nearest charger and on to one takes '
                       '{:.2f} of a full battery ({})'.format(worst, listed(short, 3)), place.where,
                       'take a larger battery (battery_capacity), or add a charger that is nearer', (place.xy,))
+
+
+def _of_orders(world: World, chargers: Sequence[Target]) -> Iterator[Finding]:
+    """Yield a Finding for each source of orders with some, of its first, for which no full battery is enough."""
+    scenario = world.scenario
+    settings = scenario.dispatcher or DispatchSettings()
+    names = [drivers.starts[0].spec.name for drivers in world.drivers]  # robots that drive alike need the same
+    starts = [start for start in starts_of(scenario) if start.name in names]
+    ahead = LookAhead(settings.charge_reserve or 0.0, [charger.xy for charger in chargers],
+                      Distances(scenario, settings.distances == 'ways'), {one.name: one.takes for one in starts if one.takes is not None})
+    robots = list(make_states(starts, ()).values())
+    for index, source in enumerate(scenario.order_sources):
+        orders = list(islice(source.orders(scenario.seed), _MOST_ORDERS))
+        faults = [(order, fault) for order in orders for fault in [ahead.fault_of(order, robots)] if fault is not None]
+        for order, fault in faults[:1]:
+            yield Finding('out_of_charge', 'orders {}'.format(source.name), 'no robot can do {} of the first {} even '
+                          'with a full battery; the first is {}: {}'.format(
+                              len(faults), len(orders), order.order_id, fault.partition(': ')[2]),
+                          '{}: orders[{}]'.format(os.path.basename(world.path), index),
+                          'take a larger battery (battery_capacity), fewer or nearer stops, or add a charger that is '
+                          'nearer', tuple((stop.pose.x, stop.pose.y) for stop in order.stops))

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from move_base_abstract.fleet import Fleet
+from move_base_abstract.fleet import Dispatch, Fleet
 from move_base_abstract.maps.map_files import write_map
 from move_base_abstract.scenario import read_scenario
 from move_base_abstract_worlds import command
@@ -161,6 +161,26 @@ def test_chargers_that_nobody_reaches_with_the_charge_that_there_is(tmp_path):
 def test_a_place_that_is_too_far_from_any_charger(tmp_path):
     places = [{'name': 'near', 'x': 100.0, 'y': 400.0}, {'name': 'far', 'x': 100.0, 'y': 500.0}]
     assert names(on_a_line(tmp_path, 100.0, places=places)) == [('out_of_charge', 'place far')]
+
+
+def test_orders_that_no_full_battery_is_enough_for(tmp_path):
+    places = [{'name': name, 'x': 100.0, 'y': y} for name, y in (('near', 0.0), ('far', 400.0), ('north', -400.0))]
+    orders = [{'name': 'short', 'every': 10.0, 'stops': [{'place': 'far'}]},
+              {'name': 'long', 'every': 10.0, 'stops': [{'places': ['near', 'far']}, {'place': 'north'}]}]
+    path = on_a_line(tmp_path, 100.0, places=places, orders=orders)
+    one, = found(path)
+    assert (one.kind, one.name, one.where) == ('out_of_charge', 'orders long', 'scenario.yaml: orders[1]')
+    share = (3 * 50.0 * 2.0 ** 2 + 0.2 * 50.0 * 9.81 * 1600.0 + 10.0 * 800.0) / 100e3  # there, across and back
+    assert one.what.endswith('takes {:.2f} of a full battery'.format(share))
+    path.write_text(path.read_text() + 'dispatcher: {charge_reserve: 0.2}\n')
+    assert [one.name for one in found(path)] == ['orders short', 'orders long']
+    dispatch = Dispatch(read_scenario(path))  # and so it comes
+    dispatch.run(until=2005.0)
+    refused = [row.values[0] for row in dispatch.fleet.trace if row.kind == 'order_refused']
+    for name, one in zip(('short', 'long'), found(path)):
+        assert one.what.startswith('no robot can do {} of the first 200'.format(sum(name in one for one in refused)))
+    assert found(on_a_line(tmp_path, 100.0, places=places, orders=orders, robots=[
+        {'name': 'a'}, {'name': 'without', 'start_x': 5.0, 'battery_capacity': 0.0}])) == []
 
 
 def locks(path):

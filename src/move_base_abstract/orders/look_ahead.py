@@ -92,9 +92,10 @@ class LookAhead:
                 if need + self._reserve <= FULL:
                     return None
                 least = need if least is None else min(least, need)
+        left = ', and {:g} must be left'.format(self._reserve / FULL) if self._reserve else ''
         return None if least is None else (
-            'charge: from a charger to its stops and back to one takes {:.2f} of a full battery, and {:g} must be '
-            'left'.format(least / FULL, self._reserve / FULL))
+            'charge: from a charger to its stops and back to one takes {:.2f} of a full battery{}'.format(
+                least / FULL, left))
 
     def _need(self, robot: RobotState, one: OpenOrder) -> Optional[int]:
         """Return what an order takes of a robot from where it is: on its way, from the worse one of the way's ends."""
