@@ -109,7 +109,8 @@ def _of_orders(world: World, chargers: Sequence[Target]) -> Iterator[Finding]:
     names = [drivers.starts[0].spec.name for drivers in world.drivers]  # robots that drive alike need the same
     starts = [start for start in starts_of(scenario) if start.name in names]
     ahead = LookAhead(settings.charge_reserve or 0.0, [charger.xy for charger in chargers],
-                      Distances(scenario, settings.distances == 'ways'), {one.name: one.takes for one in starts if one.takes is not None})
+                      Distances(scenario, settings.distances == 'ways'),
+                      {one.name: one.takes for one in starts if one.takes is not None})
     robots = list(make_states(starts, ()).values())
     for index, source in enumerate(scenario.order_sources):
         orders = list(islice(source.orders(scenario.seed), _MOST_ORDERS))
