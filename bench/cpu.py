@@ -1,5 +1,6 @@
-"""CPU time of the nodes over a stretch of wall time."""
+"""CPU time: of the nodes over a stretch of wall time, and of processes with all that they start."""
 
+import resource
 import statistics
 import time
 
@@ -23,3 +24,25 @@ class CpuWatch:
         self._begin = now, after
         return {name: statistics.median(100.0 * (b - a) / (now - begin) for a, b in zip(before[name], after[name]))
                 for name in after}
+
+
+def of_family(pid):
+    """Return the processor time [s] of a process and all processes below it, also of ended ones."""
+    try:
+        one = psutil.Process(pid)
+        family = [*one.children(recursive=True), one]
+    except psutil.NoSuchProcess:
+        return 0.0
+    used = 0.0
+    for member in family:
+        try:
+            used += sum(member.cpu_times()[:4])  # user and system time, of the process and of its ended children
+        except psutil.NoSuchProcess:
+            pass  # its time counts for the process that waited for it
+    return used
+
+
+def of_children():
+    """Return the processor time [s] of all ended child processes of this one, and of those that they waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime

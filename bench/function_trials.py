@@ -8,6 +8,7 @@ import re
 import subprocess
 import time
 
+import cpu
 import psutil
 
 from move_base_abstract_ros.loopback import find_executable
@@ -74,7 +75,7 @@ class _Seen:
 
     def _mark(self, what):
         self._marks[what] = (time.monotonic() - self._begin, _cpu_s(self._client), sum(
-            _cpu_s(one, True) for one in self._workers()))
+            cpu.of_family(one.pid) for one in self._workers()))
 
     def _workers(self):
         try:
@@ -98,15 +99,10 @@ class _Seen:
                    for place, name in enumerate(('client', 'worker'))}}
 
 
-def _cpu_s(process, with_children=False):
-    """Return the CPU time of a process [s]; with_children: and of all processes below it, also of ended ones."""
+def _cpu_s(process):
+    """Return the CPU time of a process alone [s]."""
     try:
-        used = process.cpu_times()
-        own = used.user + used.system
-        if not with_children:
-            return own
-        return own + used.children_user + used.children_system + sum(
-            _cpu_s(one, True) for one in process.children())
+        return sum(process.cpu_times()[:2])
     except psutil.Error:
         return 0.0
 

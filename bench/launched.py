@@ -8,12 +8,12 @@ import collections
 import hashlib
 import json
 import os
-import resource
 import signal
 import subprocess
 import tempfile
 import time
 
+import cpu
 import psutil
 import rosgraph
 
@@ -51,10 +51,10 @@ def launch(words, timeout):
     """
     with tempfile.TemporaryDirectory() as folder:
         log = os.path.join(folder, 'events.jsonl')
-        before, begin = _cpu_of_children(), time.time()
+        before, begin = cpu.of_children(), time.time()
         run_cpu = _follow([find_executable('lockstep_launch'), '--event-log', log, '--notes', folder, *words], folder,
                           timeout)
-        done, used = time.time(), _cpu_of_children() - before
+        done, used = time.time(), cpu.of_children() - before
         first, last = (os.stat(path).st_mtime_ns * 1e-9 for path in (os.path.join(folder, 'start'), log))
         with open(os.path.join(folder, 'end')) as stream:
             note = json.load(stream)
@@ -102,7 +102,7 @@ def _await(condition, started):
 
 def _cpu_of_family():
     """Return the processor time [s] of all processes below this one."""
-    return sum(cpu_of(child.pid) for child in psutil.Process().children())
+    return sum(cpu.of_family(child.pid) for child in psutil.Process().children())
 
 
 def _end_all(started):
@@ -127,7 +127,7 @@ def _follow(command, folder, timeout):
             while process.poll() is None and time.monotonic() < deadline:
                 for note in ('start', 'end'):
                     if note not in used and os.path.exists(os.path.join(folder, note)):
-                        used[note] = cpu_of(process.pid)
+                        used[note] = cpu.of_family(process.pid)
                 time.sleep(LOOK_S)
             is_late = process.poll() is None
         finally:
@@ -146,33 +146,12 @@ def _tail(path):
         return ''.join(collections.deque(output, LINES))
 
 
-def cpu_of(pid):
-    """Return the processor time [s] of a process and all processes below it, also of ended ones."""
-    try:
-        one = psutil.Process(pid)
-        family = [*one.children(recursive=True), one]
-    except psutil.NoSuchProcess:
-        return 0.0
-    used = 0.0
-    for member in family:
-        try:
-            used += sum(member.cpu_times()[:4])  # user and system time, of the process and of its ended children
-        except psutil.NoSuchProcess:
-            pass  # its time counts for the process that waited for it
-    return used
-
-
 def _read(log):
     """Return the first instant of an event log [ns], its end record, and the SHA-256 of its bytes."""
     with open(log, 'rb') as stream:
         text = stream.read()
     lines = text.splitlines()
     return json.loads(lines[0])['start_ns'], json.loads(lines[-1])['end'], hashlib.sha256(text).hexdigest()
-
-
-def _cpu_of_children():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def _end(process):

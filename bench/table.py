@@ -1,4 +1,6 @@
-"""Prints the records as tables for people."""
+"""Prints the records: as lines of JSON, and as tables for people."""
+import json
+import sys
 
 COLUMNS = {
     'reference': ('what', 'median_us', 'p90_us'),
@@ -31,10 +33,14 @@ COLUMNS = {
 }
 
 
-def render(records):
-    """Return the text of the tables, one for each kind of record."""
-    return '\n\n'.join(_table(kind, [record for record in records if record['kind'] == kind])
-                       for kind in COLUMNS if any(record['kind'] == kind for record in records))
+def show(records):
+    """Print each record as a line of JSON once it is there; then all as tables, one a kind, on standard error."""
+    shown = []
+    for record in records:
+        shown.append(record)
+        print(json.dumps(record), flush=True)
+    print('\n' + '\n\n'.join(_table(kind, of_kind) for kind in COLUMNS for of_kind in [
+        [record for record in shown if record['kind'] == kind]] if of_kind), file=sys.stderr)
 
 
 def _table(kind, records):
