@@ -21,8 +21,8 @@ COLOURS = ('#d62728', '#1f77b4', '#2ca02c', '#9467bd', '#ff7f0e')
 RADIUS = 0.6  # m, of the discs where robots start
 
 
-def ways():
-    """Return {robot: [(x, y), ...]} of the whole mission, and the map."""
+def begun(**world):
+    """Return a fleet that has begun the mission, its plan, and the map; ``world``: more keys of the scenario."""
     plan = mission.read_mission(shipped('config', 'demo_routes_mission.yaml'))
     occupancy = load_map(read_description(shipped('maps', 'farm_yard.yaml')))
     robots = [{'name': robot.name, 'start_x': robot.start.x, 'start_y': robot.start.y} for robot in plan.robots]
@@ -33,9 +33,15 @@ def ways():
             goal = goals[name].pop(0)
             fleet.robot(name).send(goal.x, goal.y, goal.yaw)
     settings = robot_settings(2.0, True, routes=True, rviz=False)
-    fleet = Fleet(make_scenario({'defaults': settings, 'robots': robots}), on_end=send, occupancy=occupancy)
+    fleet = Fleet(make_scenario({'defaults': settings, 'robots': robots, **world}), on_end=send, occupancy=occupancy)
     for name in fleet.names:
         send(name)
+    return fleet, plan, occupancy
+
+
+def ways():
+    """Return {robot: [(x, y), ...]} of the whole mission, and the map."""
+    fleet, plan, occupancy = begun()
     fleet.run()
     points = {robot.name: [(robot.start.x, robot.start.y)] for robot in plan.robots}
     for entry in fleet.trace:

@@ -45,18 +45,24 @@ PLACES = [{'name': 'dock', 'x': 14.0, 'y': 20.0, 'reach': 1.5, 'capacity': 1, 'd
 WORKER = 'robot_0'  # goes to the dock
 
 
-def main():
-    """Take the picture and write it to its file."""
-    output = output_file('docs/images/rviz.png', __doc__)
+def take(output, start, go, topics):
+    """Start a system and RViz, let it ``go`` with a client of the clock, and write the picture to its file.
+
+    ``start`` gets the Loopback and the folder of the package, and returns the name of RViz's configuration; ``topics``:
+    what RViz has to draw.
+    """
     with Loopback() as ros:
         ros.adopt()
         screen = Screen()
         try:
-            start(ros)
+            package = rospkg.RosPack().get_path(PACKAGE)
+            config = os.path.join(package, 'rviz', start(ros, package))
+            os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)  # RViz's own files go to this run's logs
+            rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
+            ros.spawn('/rviz', [rviz, '-d', config, '__name:=rviz'])
             rospy.init_node('picture', disable_signals=True)
-            clock = TimeMasterClient()
-            send_goals(clock)
-            shoot(ros, output)
+            go(TimeMasterClient())
+            shoot(ros, output, topics)
         finally:
             rospy.signal_shutdown('the picture is taken')
             screen.close()
@@ -80,19 +86,15 @@ class Screen:
         self._process.wait()
 
 
-def start(ros):
-    """Start time master, map, robots and RViz, whose own files go to the logs of this run."""
-    package = rospkg.RosPack().get_path(PACKAGE)
+def start(ros, package):
+    """Start time master, map and robots; return the name of RViz's configuration."""
     ros.run('time_master', 'time_master', parameters={'factor': 4.0, 'start_paused': False})
     ros.run('map_server', 'map_server', arguments=[os.path.join(package, 'maps', 'farm_yard.yaml')])
     robots = [dict(name=name, start_x=x, start_y=y, start_yaw=math.radians(heading))
               for name, ((x, y, heading), _) in ROBOTS.items()]
     ros.run('fleet', 'fleet', parameters={'defaults': SETTINGS, 'robots': robots, 'zones': ZONES,
                                             'places': PLACES})
-    os.environ.update(HOME=ros.log_dir, XDG_RUNTIME_DIR=ros.log_dir)
-    rviz = os.path.join(rospkg.RosPack().get_path('rviz'), '..', '..', 'lib', 'rviz', 'rviz')
-    config = os.path.join(package, 'rviz', 'simulator.rviz')
-    ros.spawn('/rviz', [rviz, '-d', config, '__name:=rviz'])
+    return 'simulator.rviz'
 
 
 def send_goals(clock):
@@ -120,7 +122,7 @@ def send_goals(clock):
     clock.step(UNTIL)
 
 
-def shoot(ros, output, topics=('/move_base_abstract/markers', '/map')):
+def shoot(ros, output, topics):
     """Write the screen to ``output`` when RViz has subscribed to ``topics``, has drawn them, and nothing moves."""
     for topic in topics:
         wait_for_subscriber(topic, '/rviz')
@@ -160,4 +162,4 @@ def wait_for_subscriber(topic, node):
 
 
 if __name__ == '__main__':
-    main()
+    take(output_file('docs/images/rviz.png', __doc__), start, send_goals, ('/move_base_abstract/markers', '/map'))
