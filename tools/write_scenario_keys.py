@@ -14,6 +14,7 @@ sys.path.insert(0, os.path.join(ROOT, 'src'))
 DOCS, PAGE = os.path.join(ROOT, 'docs'), 'scenario_keys.md'
 
 from output_file import output_file  # noqa: E402
+from write_node_pages import UNIT, shown  # noqa: E402
 
 from move_base_abstract import scenario  # noqa: E402
 from move_base_abstract.common.parameter_table import Parameter  # noqa: E402
@@ -32,7 +33,6 @@ One table for each part of a [scenario file](fleet.md#scenario-files). Units are
 positions and headings are in the global frame. The last column leads to the page that says what the key does.
 This page is written by `tools/write_scenario_keys.py`; a test holds it to the code.
 """
-UNIT = re.compile(r' \[([^\[\]_]*)\]')
 #: {key: (default, allowed)} of keys that no table of the code has
 TEXTS = {
     'defaults': ('', 'a mapping of settings of every robot'), 'robots': ('', 'a list of robots'),
@@ -52,17 +52,6 @@ def row(parameter, page):
     return '| `{}` | {} | {} | {} | [{}]({}) |'.format(
         parameter.name, units[-1] if units else '', shown(parameter.default), UNIT.sub('', parameter.allowed),
         page[:-3].rpartition('/')[2].replace('_', ' '), page)
-
-
-def shown(value):
-    """Return a default as YAML text."""
-    if value is None or value == ():
-        return ''
-    if isinstance(value, tuple):
-        return '[{}]'.format(', '.join(map(shown, value)))
-    if isinstance(value, bool):
-        return str(value).lower()
-    return '{:g}'.format(value) if isinstance(value, float) else str(value)
 
 
 def as_parameters(names, known):
