@@ -10,6 +10,7 @@ import jinja2
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import ConfigurationError
+from move_base_abstract.common.shown import printable
 from move_base_abstract.motion.calibration import ENCOUNTERS, FORMAT, STUCK, TABLE, make_calibration
 from move_base_abstract.motion.encounter_law import TABLE as OF_ENCOUNTERS
 from move_base_abstract.motion.stuck_law import TABLE as OF_STUCK
@@ -104,8 +105,7 @@ def page_text(calibration: str, source: str, rows: Sequence[Score], picture: byt
 
 
 def _quoted(text: str) -> str:
-    plain = ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in ' '.join(text.split()))
-    return "'{}'".format(plain.replace("'", "''"))
+    return "'{}'".format(printable(' '.join(text.split())).replace("'", "''"))
 
 
 def _rounded(value: Any) -> Any:

@@ -13,6 +13,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import own_files
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.shown import first_lines
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.metrics import fleet_metrics
 from move_base_abstract.runs.states import NAMES
@@ -20,6 +21,7 @@ from move_base_abstract.runs.story import Story
 
 _FORMAT = '{"format": "move_base_abstract fleet report 1",\n'
 _MOST_PLACES, _MOST_ROBOTS = 20, 60  # rows in the terminal; the JSON has all
+_REST = '... and {} more: --json has all'
 
 
 def main(words: Optional[Sequence[str]] = None) -> None:
@@ -68,13 +70,13 @@ def lines_of(story: Story, labels: List[str], path: str) -> List[str]:
     if not robots:
         return lines
     lines += ['', 'share of time, mean of the robots', '  ' + ', '.join(
-        f'{state} {100.0 * sum(one[state] for one in robots.values()) / max(_time(robots), 1e-9):.1f} %'
+        f'{state} {100.0 * sum(one[state] for one in robots.values()) / _time(robots):.1f} %'
         for state in NAMES)]
     return [*lines, *_orders(story), *_waits(story), *_charging(story), *_robots(story)]
 
 
 def _time(robots: Dict[str, Dict[str, float]]) -> float:
-    return sum(one[state] for one in robots.values() for state in NAMES)
+    return max(sum(one[state] for one in robots.values() for state in NAMES), 1e-9)
 
 
 def _orders(story: Story) -> List[str]:
@@ -86,9 +88,8 @@ def _orders(story: Story) -> List[str]:
     if orders.refused:
         lines.append(f'  {orders.refused} more were refused: rows order_refused say why')
     undone = list(story.orders.undone.items())
-    lines += [f'  open: {name}, {where}' for name, where in undone[:_MOST_PLACES]]
-    if len(undone) > _MOST_PLACES:
-        lines.append(f'  ... and {len(undone) - _MOST_PLACES} more open: --json has all')
+    lines += first_lines([f'  open: {name}, {where}' for name, where in undone], _MOST_PLACES,
+                         '  ... and {} more open: --json has all')
     for title, values in (('flow time', orders.flow), ('until a robot begins', orders.wait),
                           ('lateness', orders.lateness)):
         if values:
@@ -104,10 +105,9 @@ def _waits(story: Story) -> List[str]:
         return []
     width = max(len('waiting'), *(len(where) for where in waits))
     lines = ['', f'{"waiting":<{width}}  {"times":>6}  {"in all [s]":>10}  {"mean [s]":>8}  {"longest [s]":>11}']
-    for where, one in list(waits.items())[:_MOST_PLACES]:
-        lines.append(f'{where:<{width}}  {one.count:>6}  {one.total_ns / 1e9:>10.1f}  '
-                     f'{one.total_ns / 1e9 / one.count:>8.1f}  {one.longest_ns / 1e9:>11.1f}')
-    return lines + ([f'... and {len(waits) - _MOST_PLACES} more: --json has all'] if len(waits) > _MOST_PLACES else [])
+    return lines + first_lines([
+        f'{where:<{width}}  {one.count:>6}  {one.total_ns / 1e9:>10.1f}  {one.total_ns / 1e9 / one.count:>8.1f}  '
+        f'{one.longest_ns / 1e9:>11.1f}' for where, one in waits.items()], _MOST_PLACES, _REST)
 
 
 def _charging(story: Story) -> List[str]:
@@ -122,10 +122,8 @@ def _charging(story: Story) -> List[str]:
     failures = int(sum(one['failures'] for one in robots))
     if failures:
         lines.append(f'failures: {failures}, {sum(one["failed"] for one in robots):.1f} s')
-    lines += [f'ran empty: {one.robot} at {one.time_ns / 1e9:.1f} s, {one.words}'
-              for one in story.emptied[:_MOST_PLACES]]
-    if len(story.emptied) > _MOST_PLACES:
-        lines.append(f'... and {len(story.emptied) - _MOST_PLACES} more ran empty: --json has all')
+    lines += first_lines([f'ran empty: {one.robot} at {one.time_ns / 1e9:.1f} s, {one.words}'
+                          for one in story.emptied], _MOST_PLACES, '... and {} more ran empty: --json has all')
     return ['', *lines] if lines else []
 
 
@@ -137,13 +135,9 @@ def _robots(story: Story) -> List[str]:
     robots = story.figures
     width = max(len('robot'), *(len(name) for name in robots))
     lines = ['', f'{"robot":<{width}}  ' + '  '.join(f'{state + " %":>10}' for state in NAMES) + '  orders  failures']
-    for name, one in list(robots.items())[:_MOST_ROBOTS]:
-        time = max(sum(one[state] for state in NAMES), 1e-9)
-        lines.append(f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / time:>10.1f}' for state in NAMES)
-                     + f'  {one["orders"]:>6.0f}  {one["failures"]:>8.0f}')
-    if len(robots) > _MOST_ROBOTS:
-        lines.append(f'... and {len(robots) - _MOST_ROBOTS} more: --json has all')
-    return lines
+    return lines + first_lines([
+        f'{name:<{width}}  ' + '  '.join(f'{100.0 * one[state] / _time({name: one}):>10.1f}' for state in NAMES)
+        + f'  {one["orders"]:>6.0f}  {one["failures"]:>8.0f}' for name, one in robots.items()], _MOST_ROBOTS, _REST)
 
 
 def json_text(story: Story, labels: List[str]) -> str:

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from experiment_folder import plain
+from move_base_abstract.common.shown import listed
 from move_base_abstract_experiments.report.colours import PALETTE, palette
 from move_base_abstract_experiments.report.design import Metric
 from move_base_abstract_experiments.report.intervals import NOTHING, Estimate
@@ -13,7 +14,6 @@ from move_base_abstract_experiments.report.wording import (
     Scale,
     digits,
     duration,
-    listed,
     probability,
     scale_of,
     shortened,

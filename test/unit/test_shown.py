@@ -4,7 +4,7 @@ import subprocess
 import pytest
 
 from move_base_abstract.common.bounded_yaml import load_yaml_text
-from move_base_abstract.common.shown import MAX_LENGTH, pasted, shown, shown_text
+from move_base_abstract.common.shown import MAX_LENGTH, first_lines, first_of, pasted, printable, shown, shown_text
 
 
 def doubled(times):
@@ -66,3 +66,15 @@ def test_what_people_paste_has_nothing_that_cannot_be_seen_and_means_the_same(wo
     assert text.isprintable()
     done = subprocess.run(['bash', '-c', text], env={'LC_ALL': 'C.UTF-8'}, stdout=subprocess.PIPE, check=True)
     assert done.stdout == word.encode('utf-8', 'surrogateescape')
+
+
+def test_of_many_names_and_lines_the_first_ones_are_shown_and_the_others_counted():
+    assert first_of(['a', 'b'], 2) == 'a, b'
+    assert first_of(['a', 'b', 'c', 'd'], 2) == 'a, b and 2 more'
+    assert first_of([], 2) == ''
+    assert first_lines(['a', 'b'], 2) == ['a', 'b']
+    assert first_lines(('a', 'b', 'c'), 2, '... and {} more that wait') == ['a', 'b', '... and 1 more that wait']
+
+
+def test_signs_that_end_a_line_or_control_a_terminal_are_shown_as_codes():
+    assert printable('a\nb\x1b\u2028ö') == r'a\nb\x1b\u2028ö'

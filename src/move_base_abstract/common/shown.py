@@ -5,6 +5,7 @@ import math
 import re
 import reprlib
 import shlex
+from typing import List, Sequence
 
 MAX_LENGTH = 120  # the most characters of the text for a value
 _EXPONENT = re.compile(r'[-+]?[0-9]{1,20}(\.[0-9]{0,20})?[eE][-+]?[0-9]{1,5}\Z')
@@ -45,7 +46,29 @@ def shown_text(value: object) -> str:
     """Return the text ``value``, with control characters escaped, in at most 120 characters of one line."""
     text = str(value) if isinstance(value, (str, float, bool)) or value is None else shown(value)
     text = text[:MAX_LENGTH + 1]
-    return cut(''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text))
+    return cut(printable(text))
+
+
+def printable(text: str) -> str:
+    """Return ``text`` with the codes of all characters that end a line, control a terminal, or cannot be seen."""
+    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in text)
+
+
+def first_of(names: Sequence[str], most: int) -> str:
+    """Return the first ``most`` names as a text: 'a, b and 3 more'."""
+    more = len(names) - most
+    return ', '.join(names[:most]) + (' and {} more'.format(more) if more > 0 else '')
+
+
+def first_lines(lines: Sequence[str], most: int, rest: str = '... and {} more') -> List[str]:
+    """Return the first ``most`` lines; if there are more, one more line says how many: ``rest``."""
+    more = len(lines) - most
+    return [*lines[:most], *([rest.format(more)] if more > 0 else [])]
+
+
+def listed(words: Sequence[str]) -> str:
+    """Return 'a', 'a and b', 'a, b and c'."""
+    return ' and '.join([', '.join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 def pasted(*words: str) -> str:

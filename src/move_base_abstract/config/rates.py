@@ -4,6 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, List, Tuple
 
+from ..common.shown import first_of
+
 _SHOWN = 5  # names
 
 
@@ -50,7 +52,6 @@ class Rates:
 def _line(what: str, frequency: float, robots: List[Dict[str, bool]]) -> str:
     heard = [names for names in robots if names]
     names = sorted({name for names in heard for name in names})
-    rest = ' and {} more'.format(len(names) - _SHOWN) if len(names) > _SHOWN else ''
     share = ' of {} of {} robots'.format(len(heard), len(robots)) if 0 < len(heard) < len(robots) else ''
     rate = 'at {:g} Hz'.format(frequency) if frequency else 'not at a rate'
-    return '{} {}{} to {}{}'.format(what, rate, share, ', '.join(names[:_SHOWN]) or 'nobody', rest)
+    return '{} {}{} to {}'.format(what, rate, share, first_of(names, _SHOWN) or 'nobody')

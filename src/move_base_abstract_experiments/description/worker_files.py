@@ -12,6 +12,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Collection, Dict, List, Tuple
 
+from move_base_abstract.common.shown import first_of
+
 from . import ingredients
 from .job import Job
 from .trial import Trial
@@ -93,5 +95,4 @@ def _is_binary(path: str) -> bool:
 
 
 def _listed(names: Collection[str]) -> str:
-    shown = sorted(names)[:_MOST_NAMES]
-    return ', '.join(shown) + (f' and {len(names) - len(shown)} more' if len(names) > len(shown) else '')
+    return first_of(sorted(names), _MOST_NAMES)

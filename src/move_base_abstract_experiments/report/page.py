@@ -21,6 +21,7 @@ from urllib.parse import quote
 
 import jinja2
 
+from move_base_abstract.common.shown import listed
 from move_base_abstract.runs.states import STATES
 
 from . import (
@@ -38,7 +39,7 @@ from .colours import Looks
 from .outcome import FAILED, MISSING
 from .parts import Section, there
 from .sections import fleet, how_ended, properties, validity
-from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, listed, scale_of, whole
+from .wording import MINUS, NBSP, UNKNOWN, counted, digits, duration, scale_of, whole
 
 if TYPE_CHECKING:
     from .design import Metric

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from typing import TYPE_CHECKING, NamedTuple, Sequence, Tuple
+from typing import TYPE_CHECKING, NamedTuple, Tuple
 
 if TYPE_CHECKING:
     from .design import Metric
@@ -168,9 +168,3 @@ def shortened(text: str, length: int) -> str:
 
 def _width(text: str) -> float:
     return sum(2 if unicodedata.east_asian_width(sign) in 'WF' else 1 for sign in text)
-
-
-def listed(words: Sequence[str]) -> str:
-    """Return 'a', 'a and b', 'a, b and c'."""
-    words = list(words)
-    return ' and '.join([', '.join(words[:-1]), words[-1]] if len(words) > 1 else words)

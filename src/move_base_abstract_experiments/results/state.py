@@ -5,7 +5,7 @@ import time
 from typing import Iterator, List, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.shown import first_lines, printable, shown_text
 from move_base_abstract.properties import Gathering
 
 from .. import records
@@ -39,15 +39,15 @@ def lines(path: str) -> Iterator[str]:
     for one in found:
         if one.properties:
             gathered.take(one.id, one.seed, one.properties)
-    yield from _first([_line(line) for line in gathered.lines()])
+    yield from first_lines([_line(line) for line in gathered.lines()], _MOST_SHOWN)
     yield from errors.lines(len(found))
-    yield from _first([f'failed: {one.id} {shown_text(one.configuration)} replication {one.replication}: '
-                       f'{_line(one.error)}' for one in failed])
+    yield from first_lines([f'failed: {one.id} {shown_text(one.configuration)} replication {one.replication}: '
+                            f'{_line(one.error)}' for one in failed], _MOST_SHOWN)
     try:
         yield from workers.lines(path, time.time())
     except ConfigurationError as problem:
         yield _line(problem)
-    yield from _first([f'not to be read: {_line(problem)}' for problem in damaged])
+    yield from first_lines([f'not to be read: {_line(problem)}' for problem in damaged], _MOST_SHOWN)
 
 
 def _read(path: str, plan: Plan) -> Tuple[List[Result], List[str]]:
@@ -63,12 +63,6 @@ def _read(path: str, plan: Plan) -> Tuple[List[Result], List[str]]:
     return found, damaged
 
 
-def _first(texts: List[str]) -> Iterator[str]:
-    yield from texts[:_MOST_SHOWN]
-    if len(texts) > _MOST_SHOWN:
-        yield f'... and {len(texts) - _MOST_SHOWN} more'
-
-
 def _line(text: object) -> str:
     """Return a text as one line that any terminal can show."""
-    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in str(text)[:1000])
+    return printable(str(text)[:1000])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, List
 
 import rospy
 
+from move_base_abstract.common.shown import first_of
 from move_base_abstract.supervision.silence_watch import SilenceWatch
 
 if TYPE_CHECKING:
@@ -52,15 +53,10 @@ def _run() -> None:
 def _tell(silence: Silence) -> None:
     if silence.unheard:
         rospy.logwarn('%s: nothing has come on %s for %g s: is Stage running, and does it use this name of the robot?',
-                      rospy.get_name(), _list(silence.unheard), _watch.limit)
+                      rospy.get_name(), first_of(silence.unheard, _NAMED), _watch.limit)
     if silence.silent:
         rospy.logwarn('%s: Stage has fallen silent: nothing has come on %s for %g s or more. It has ended, hangs or is '
                       'paused; if it publishes /clock, time stands still. Start it again, and the robots go on',
-                      rospy.get_name(), _list(silence.silent), _watch.limit)
+                      rospy.get_name(), first_of(silence.silent, _NAMED), _watch.limit)
     if silence.back:
-        rospy.loginfo('%s: Stage is heard again: %s', rospy.get_name(), _list(silence.back))
-
-
-def _list(topics: Any) -> Any:
-    more = len(topics) - _NAMED
-    return ', '.join(topics[:_NAMED]) + (' and {} more'.format(more) if more > 0 else '')
+        rospy.loginfo('%s: Stage is heard again: %s', rospy.get_name(), first_of(silence.back, _NAMED))

@@ -4,8 +4,7 @@ import roslaunch.core
 from move_base_abstract.common.errors import ConfigurationError
 
 from . import roles
-
-_START = ('start_x', 'start_y', 'start_yaw')
+from .start_poses import PLACED
 
 
 def add_to(config, options):
@@ -28,7 +27,7 @@ def add_to(config, options):
         put(config, key, value)
     for name, pose in options.start.items():
         check_known('--start', name, names)
-        for key, value in zip(_START, pose):
+        for key, value in zip(PLACED, pose):
             put(config, '{}/{}'.format(name, key), value)
 
 

@@ -5,7 +5,7 @@ import struct
 import genpy
 import roslib.message
 
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.shown import first_lines, shown
 
 MOST = 12  # fields that are shown
 _LENGTH = struct.Struct('<I')
@@ -65,10 +65,9 @@ def difference(kind, one, other):
     except _BROKEN as error:
         return ['the messages cannot be read as {}: {}'.format(kind._type, error)]
     names = [name for name in dict.fromkeys([*first, *second]) if repr(first.get(name)) != repr(second.get(name))]
-    lines = ['{}: {} / {}'.format(name, *(shown(values[name]) if name in values else 'not there'
-                                          for values in (first, second))) for name in names[:MOST]]
-    more = len(names) - MOST
-    return lines + (['... and {} more fields'.format(more)] if more > 0 else []) or [
+    return first_lines(['{}: {} / {}'.format(name, *(shown(values[name]) if name in values else 'not there'
+                                                     for values in (first, second))) for name in names],
+                       MOST, '... and {} more fields') or [
         'all fields are equal; the bytes are not (NaN, or the lengths of empty fields)']
 
 

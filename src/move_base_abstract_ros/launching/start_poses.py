@@ -1,8 +1,6 @@
 """Report the places of robots in a launch file that no node reads, so that none is lost silently."""
 import re
 
-from move_base_abstract.common.kinds import as_number
-
 from ..adopting import poses, robots
 from ..loopback import PACKAGE
 from . import programs, roles
@@ -60,7 +58,7 @@ def own_place(name, node, values, starts=None):
     if node is not None and node.type == robots.OWN[1] and len(plain) >= _WITH_PLACE:
         found.update(zip(PLACED, plain[_WITH_PLACE - 1:_WITH_PLACE + 1]))
     found.update(zip(PLACED, (starts or {}).get(name, ())))
-    return {key: _number(value) for key, value in found.items()}
+    return {key: poses.number_of(value) or 0.0 for key, value in found.items()}  # the robot refuses what is no number
 
 
 def unless_placed(nodes, namespace=''):
@@ -75,13 +73,6 @@ def unless_placed(nodes, namespace=''):
         if word:
             return ', unless {} sets another place (it names {})'.format(roles.name_of(node), word.decode())
     return ''
-
-
-def _number(value):
-    try:
-        return float(as_number(value))
-    except (TypeError, ValueError, OverflowError):
-        return 0.0  # the robot refuses it, with a text that says what is allowed
 
 
 def _commands(config, ours):

@@ -11,7 +11,7 @@ from move_base_abstract.common.errors import ConfigurationError
 
 from ..adopting import drivers, kinds, poses, served
 from ..loopback import PACKAGE
-from . import given, programs, roles
+from . import given, programs, roles, start_poses
 
 FLEET = 'velocity_robots'
 _WALLS = '/stage_walls'  # the namespace of the map_server of a floor plan of Stage
@@ -170,7 +170,7 @@ def gathered(adoption, options):
 
 def _table(robot, name, options):
     """Return the row of a robot in a fleet's scenario: its name, its place, its parameters."""
-    row = {'name': name, **dict(zip(('start_x', 'start_y', 'start_yaw'), options.start.get(robot.name, ()))),
+    row = {'name': name, **dict(zip(start_poses.PLACED, options.start.get(robot.name, ()))),
            **served.below(robot.name, dict(given.single(options.param)))}
     if row.get('tf_prefix') == name:
         del row['tf_prefix']  # a fleet's own default

@@ -6,9 +6,11 @@ import math
 import os
 import shlex
 import textwrap
+from functools import lru_cache
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.kinds import error
+from move_base_abstract.common.shown import listed
 
 from ..adopting import poses, reading, robots, served
 from ..loopback import PACKAGE
@@ -20,7 +22,7 @@ _WIDTH = 116  # columns
 def use_maps(adoption, kept):
     """Have the robots use the maps that the ``kept`` nodes serve. A start that upstream would not allow may be left."""
     maps = _served(adoption, kept)
-    used, ground_of = {}, _ground_of()
+    used, ground_of = {}, lru_cache(maxsize=None)(_ground)  # each map is loaded once
     for robot, node in adoption.ours(kept) if maps else ():
         if robot.is_driven or node is not None and node.type == robots.OWN[1]:
             continue  # the walls of velocity robots are found elsewhere; the original package's program looks at no map
@@ -30,13 +32,13 @@ def use_maps(adoption, kept):
             continue  # reported when all is decided
         if one is not None:
             used.setdefault((one, _as_upstream(settings)), []).append(robot.name)
-            _say_start(adoption, robot.name, settings, one, ground_of(one))
+            _say_start(adoption, robot.name, settings, one, ground_of(one.words))
         elif why:
             adoption.remarks.append('{} uses no map and drives straight: {}'.format(robot.name, why))
     for (one, how), names in used.items():
         adoption.remarks.append(
             '{} use{} the map of {}, as upstream would{}; --param {}/use_map=false undoes it, --param use_map=false '
-            'for all robots'.format(_all(names), 's' * (len(names) == 1), one.name, how, names[0]))
+            'for all robots'.format(listed(names), 's' * (len(names) == 1), one.name, how, names[0]))
     _say_floors(adoption, used)
     for one in maps:
         if used and not adoption.is_driven and one not in [chosen for chosen, _how in used]:
@@ -81,9 +83,9 @@ def take_planners(adoption, node):
     name, values = roles.name_of(node), adoption.values()
     relays = [roles.name_of(one) for one in adoption.config.nodes
               if one.namespace == node.namespace and 'move_base_legacy_relay' in one.type]
-    for key, listed in (('base_local_planner', 'controllers'), ('base_global_planner', 'planners')):
+    for key, lists in (('base_local_planner', 'controllers'), ('base_global_planner', 'planners')):
         asked = [values.get('{}/{}'.format(relay, key)) for relay in relays]
-        first = values.get('{}/{}'.format(name, listed))
+        first = values.get('{}/{}'.format(name, lists))
         asked += [one.get('name') for one in (first if isinstance(first, list) else ()) if isinstance(one, dict)]
         chosen = next((one for one in asked if isinstance(one, str) and one), None)
         if chosen is not None and '{}/{}'.format(name, key) not in values:
@@ -173,16 +175,9 @@ def _served(adoption, kept):
     return found
 
 
-def _ground_of():
-    """Return ground_of(Served), which loads each map once; it returns ground(x, y) [m, map frame], see floors."""
-    known = {}
-
-    def ground_of(one):
-        if one.words not in known:
-            from ..adopting import floors  # it needs numpy and Pillow
-            known[one.words] = floors.ground(one.words)
-        return known[one.words]
-    return ground_of
+def _ground(words):
+    from ..adopting import floors  # it needs numpy and Pillow
+    return floors.ground(words)
 
 
 def _say_start(adoption, name, settings, one, ground):
@@ -206,10 +201,6 @@ def _as_upstream(settings):
                 'free' if settings.values['allow_unknown'] else 'not free', tolerances.xy, tolerances.yaw, near))
 
 
-def _all(names):
-    return names[0] if len(names) == 1 else '{} and {}'.format(', '.join(names[:-1]), names[-1])
-
-
 def unread(adoption):
     """Return lines with the parameters of our robots, and of nodes left out or replaced, that have no effect."""
     keys = [key for key in adoption.config.params if not poses.is_of_place(key)]
@@ -227,7 +218,7 @@ def unread(adoption):
         if paths:
             found.setdefault(tuple(paths), []).append(name)
     return [line for paths, owners in found.items() for line in textwrap.wrap(
-        '{}: {}'.format(_all(owners), ', '.join(paths)), _WIDTH, subsequent_indent='    ', break_long_words=False,
+        '{}: {}'.format(listed(owners), ', '.join(paths)), _WIDTH, subsequent_indent='    ', break_long_words=False,
         break_on_hyphens=False)]
 
 

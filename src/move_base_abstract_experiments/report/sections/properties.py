@@ -3,13 +3,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple, Type, TypeVar, Union
 
+from move_base_abstract.common.shown import listed
 from move_base_abstract.properties.statements import BROKEN, HELD, KINDS
 from move_base_abstract.runs.built_in import ALL, BUILT_IN, SOMETIMES
 
 from .. import notable_trials
 from ..listings import listing
 from ..parts import Cell, Section, there
-from ..wording import UNKNOWN, counted, listed, whole
+from ..wording import UNKNOWN, counted, whole
 
 if TYPE_CHECKING:
     from ..outcome import Experiment, Trial

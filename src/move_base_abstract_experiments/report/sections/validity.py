@@ -3,8 +3,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Dict, Optional, Tuple
 
+from move_base_abstract.common.shown import listed
+
 from ..outcome import COMPLETE
-from ..wording import digits, listed, whole
+from ..wording import digits, whole
 
 if TYPE_CHECKING:
     from ..outcome import Experiment

@@ -14,7 +14,7 @@ from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.options import add_arguments, of_arguments, parameters_of, words_of
 from move_base_abstract.common.own_files import whole_file
-from move_base_abstract.common.shown import shown_text
+from move_base_abstract.common.shown import printable, shown_text
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
@@ -263,14 +263,14 @@ def _adopted(config, asked, options):
     from ...launching import adoption
     found = adoption.adopt(config, asked, read_settings)
     for line in found.done:
-        say(_printable(line))
+        say(printable(line))
     for line in found.remarks:
-        say('note: ' + _printable(line))
+        say('note: ' + printable(line))
     if found.unread:
-        say('\n    '.join(['note: of this file these parameters have no effect:', *map(_printable, found.unread)]))
+        say('\n    '.join(['note: of this file these parameters have no effect:', *map(printable, found.unread)]))
     say('the same by options: ' + _typed(options, found.options))
     if found.problems:
-        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + _printable(line)
+        raise ConfigurationError('\nlockstep_launch: '.join('cannot work: ' + printable(line)
                                                             for line in found.problems))
     return found.options
 
@@ -278,10 +278,6 @@ def _adopted(config, asked, options):
 def _typed(options, run=None):
     """Return this command line as a command, with its own RunOptions or ``run``."""
     return command_line.typed('lockstep_launch', options.one, run or options.run, options.command)
-
-
-def _printable(line):
-    return ''.join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line)
 
 
 def _conclude(made, launched, found, log, options):
@@ -341,4 +337,4 @@ def _lines(made):
     if made.fleets:
         yield 'fleets: {}'.format(', '.join(shown_text(name) for name in made.fleets))
     for note in made.notes:
-        yield _printable(note)
+        yield printable(note)
