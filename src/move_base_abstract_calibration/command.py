@@ -16,7 +16,7 @@ import sys
 from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common.bounded_yaml import load_yaml_file
-from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, telling
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.common.shown import shown
@@ -37,14 +37,12 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     """Run the command with these arguments (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
     try:
-        _run(options)
+        with telling('calibrate'):
+            _run(options)
     except ModuleNotFoundError as error:
         print('calibrate: {} is not installed for {}; install what it needs: make deps-experiment, or on Debian: '
               'apt install python3-jinja2 python3-matplotlib python3-scipy'.format(error.name, sys.executable),
               file=sys.stderr)
-        sys.exit(2)
-    except SimulatorError as error:
-        print('calibrate: {}'.format(error), file=sys.stderr)
         sys.exit(2)
 
 

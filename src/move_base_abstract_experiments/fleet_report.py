@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import own_files
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import telling
 from move_base_abstract.common.shown import first_lines
 from move_base_abstract.runs import event_log
 from move_base_abstract.runs.metrics import fleet_metrics
@@ -33,9 +32,7 @@ def main(words: Optional[Sequence[str]] = None) -> None:
     parser.add_argument('--json', metavar='OUT.json', help='write all figures as JSON; this replaces only a file '
                         'of this program; - for the standard output, instead of the text')
     options = parser.parse_args(words)
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]
-    try:
+    with telling('fleet_report'):
         story, labels = story_of(options.log)
         if options.json == '-':
             print(json_text(story, labels), end='')
@@ -45,9 +42,6 @@ def main(words: Optional[Sequence[str]] = None) -> None:
             own_files.check_file(options.json, lambda line: line == _FORMAT.encode())
             with own_files.whole_file(options.json, 'w', encoding='utf-8') as stream:
                 stream.write(json_text(story, labels))
-    except SimulatorError as error:
-        print(f'fleet_report: {error}', file=sys.stderr)
-        sys.exit(2)
 
 
 def story_of(path: str) -> Tuple[Story, List[str]]:

@@ -15,7 +15,7 @@ import sys
 from typing import Any, Optional, Sequence
 
 from move_base_abstract.common import own_files
-from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.errors import ConfigurationError, telling
 from move_base_abstract.common.kinds import integer
 from move_base_abstract.common.options import POSITIVE, word_of
 
@@ -26,12 +26,8 @@ _NEAR = 0.7  # cells; two robots that follow each other around a corner come as 
 def main(words: Optional[Sequence[str]] = None) -> None:
     """Run the command with these arguments (default: those of the shell); exit with its code."""
     options = _parse(words)
-    try:
-        code = options.run(options)
-    except SimulatorError as error:
-        print('mapf: {}'.format(error), file=sys.stderr)
-        code = 2
-    sys.exit(code)
+    with telling('mapf'):
+        sys.exit(options.run(options))
 
 
 def _parse(words: Optional[Sequence[str]]) -> Any:

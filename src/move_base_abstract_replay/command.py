@@ -11,7 +11,7 @@ import argparse
 import sys
 from typing import Any, Iterator
 
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import telling
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.options import word_of
 
@@ -22,14 +22,9 @@ _RATE = word_of(number(above=0.0, high=1000.0, unit='Hz'))
 def main(words: Any = None) -> None:
     """Write the files that these arguments ask for (default: those of the shell); exit with code 2 on an error."""
     options = _parse(words)
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # type: ignore[union-attr]  # names may contain bytes that are not valid text
-    try:
+    with telling('replay'):
         for output in _write(options):
             print(output)
-    except SimulatorError as error:
-        print('replay: {}'.format(error), file=sys.stderr)
-        sys.exit(2)
 
 
 def _parse(words: Any) -> Any:

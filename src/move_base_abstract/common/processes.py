@@ -18,6 +18,8 @@ import time
 import traceback
 from typing import Any, Callable, Collection, Dict, Iterator, List, Mapping, Optional, Set
 
+from . import errors
+
 PR_SET_PDEATHSIG, PR_SET_NAME, PR_SET_CHILD_SUBREAPER = 1, 15, 36
 _PR_SET_MM, _PR_SET_MM_ARG_END = 35, 9
 _LIBC = ctypes.CDLL(None, use_errno=True)
@@ -104,7 +106,7 @@ def fork(body: Callable[[], Any], output: Optional[str] = None, cwd: Optional[st
             redirect(output)
         if cwd is not None:
             os.chdir(cwd)
-        code = _code_of(body)
+        code = errors.exit_code_of(body)
     except BaseException:
         traceback.print_exc()
     finally:
@@ -376,17 +378,6 @@ def redirect(output: str) -> None:
     streams: Any = (sys.stdout, sys.stderr)
     for stream in streams:
         stream.reconfigure(line_buffering=True, write_through=True)
-
-
-def _code_of(body: Callable[[], Any]) -> int:
-    try:
-        body()
-    except SystemExit as error:
-        if error.code is None or isinstance(error.code, int):
-            return error.code or 0
-        print(error.code, file=sys.stderr)
-        return 1
-    return 0
 
 
 def interpreter_of(path: str) -> str:

@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 
-from move_base_abstract.common import guard
+from move_base_abstract.common import errors, guard
 
 _GUARDED = ('demo',)  # programs that import what starts threads; others call guard.stand() themselves
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
@@ -26,7 +26,7 @@ def start(name):
         signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.stdout = _Remembering(sys.stdout)
     try:
-        code = _code_of(main)
+        code = errors.exit_code_of(main)
         sys.stdout.flush()
     except KeyboardInterrupt:
         code = 130
@@ -66,17 +66,6 @@ class _Remembering:
             error, self._error = self._error, None
             raise error
         self._stream.flush()
-
-
-def _code_of(main):
-    try:
-        main()
-    except SystemExit as error:
-        if isinstance(error.code, int) or error.code is None:
-            return error.code or 0
-        print(error.code, file=sys.stderr)
-        return 1
-    return 0
 
 
 def _end_output(code):

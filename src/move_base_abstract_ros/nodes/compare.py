@@ -13,9 +13,9 @@ Exit codes: 0 identical; 1 different; 2 a file cannot be read, or wrong argument
 import argparse
 import sys
 
+from move_base_abstract.common.errors import telling
 from move_base_abstract.common.shown import pasted
 from move_base_abstract.runs import event_log
-from move_base_abstract.runs.event_log import EventLogError
 
 from ..launching import bag_difference
 
@@ -30,14 +30,9 @@ def main(words=None):
     parser.add_argument('first', metavar='A', help='event log (JSON lines or CSV), or bag')
     parser.add_argument('second', metavar='B', help='event log (JSON lines or CSV), or bag')
     arguments = parser.parse_args(words)
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are not text
-    try:
+    with telling('compare'):
         compare = _compare_bags if arguments.first.endswith('.bag') else _compare
         sys.exit(compare(arguments.first, arguments.second))
-    except (EventLogError, bag_difference.BagError) as error:
-        print(f'compare: {error}', file=sys.stderr)
-        sys.exit(2)
 
 
 def _compare_bags(first, second):

@@ -16,7 +16,7 @@ import time
 import rospy
 
 from move_base_abstract import mission
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import telling
 from move_base_abstract.common.kinds import integer, number
 from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.orders.policies import POLICIES
@@ -37,10 +37,8 @@ def main():
     """Run the demo and exit with its code."""
     arguments = _parse(rospy.myargv()[1:])
     try:
-        sys.exit(_run(arguments))
-    except (SimulatorError, MissionFailed, LoopbackError) as error:
-        print(f'demo: {error}', file=sys.stderr)
-        sys.exit(1)
+        with telling('demo', MissionFailed, LoopbackError, code=1):
+            sys.exit(_run(arguments))
     except KeyboardInterrupt:
         print('\ndemo: interrupted', file=sys.stderr)
         sys.exit(130)

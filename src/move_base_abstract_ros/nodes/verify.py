@@ -17,7 +17,7 @@ import os
 import sys
 
 from move_base_abstract.common import guard, processes, temporary
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import SimulatorError, telling
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.lasting_output import outlive_readers
 from move_base_abstract.common.options import POSITIVE, word_of, words_of
@@ -44,17 +44,12 @@ def main(words=None):
     with warm_nodes.importing():
         options, launch_words = _parse(words)
         warm_nodes.import_all()  # once for all runs
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors='backslashreplace')  # a log may hold bytes that are not text
-    try:
-        code = _verify(options, launch_words)
-    except verification.Unfinished as error:
-        print('verify: {}'.format(error), file=sys.stderr)
-        code = error.code
-    except (SimulatorError, LoopbackError) as error:
-        print('verify: {}'.format(error), file=sys.stderr)
-        code = verification.CANNOT
-    sys.exit(code)
+    with telling('verify', LoopbackError, code=verification.CANNOT):
+        try:
+            sys.exit(_verify(options, launch_words))
+        except verification.Unfinished as error:
+            print('verify: {}'.format(error), file=sys.stderr)
+            sys.exit(error.code)
 
 
 def _verify(options, launch_words):
