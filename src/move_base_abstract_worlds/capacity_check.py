@@ -12,6 +12,7 @@ room in that area, and at least one arrow of a circle must be of that kind (``la
 """
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING, Any, Dict, FrozenSet, Iterator, List, Optional, Sequence, Tuple
 
@@ -25,14 +26,14 @@ from move_base_abstract.traffic.nodes import NodeAreas
 from move_base_abstract.traffic.outline import BORDER
 from move_base_abstract.traffic.rules import DeadlockPolicy
 from move_base_abstract.traffic.safe_states import needs_of
-from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_at_nodes, stays_on_lanes, with_groups
+from move_base_abstract.traffic.way import ZoneIndex, crossings, stays_of, with_groups
 
 from .findings import Finding
 from .ways import MOST_WAYS, leg_between, too_many
 
 if TYPE_CHECKING:
     from move_base_abstract.maps.lane_map import LaneMap
-    from move_base_abstract.traffic.way import Crossing
+    from move_base_abstract.traffic.way import Crossing, Stay
 
     from .world import Drivers, World
 
@@ -176,19 +177,17 @@ class Areas:
         leg = leg_between(drivers, Pose2D(*begin), Pose2D(*end))
         if leg is None or not leg.distance > BORDER:
             return []
-        stays = list(self._index.stays(leg.way))
-        at_rest = [stay.area for stay in stays if stay.begin <= BORDER and stay.area.outline is not None
-                   and stay.area.outline.contains(*begin)]
-        if drivers.lanes is not None:
-            on_lanes = stays_on_lanes(leg, lambda edge: self._lanes.get((drivers.lanes.source, edge)))
-            is_at_node = begin in self._nodes[drivers.lanes.source] or any(
-                abs(pose.x - begin[0]) <= NEAR and abs(pose.y - begin[1]) <= NEAR
-                for pose in drivers.lanes.nodes.values())
-            at_rest += [stay.area for stay in on_lanes if stay.begin <= BORDER and not is_at_node]
-            places = self._places[drivers.lanes.source]
-            at_rest += places.at(*begin)
-            stays += stays_at_nodes(leg, places.end_of)
-            stays += on_lanes  # a robot that ended its last goal on a lane still has its room there
+        net, at_rest = drivers.lanes, []
+        stays: Sequence[Stay] = self._index.stays(leg.way)
+        if net is not None:
+            places = self._places[net.source]
+            stays = stays_of(leg, self._index, lambda edge: self._lanes.get((net.source, edge)), places)
+            at_rest = places.at(*begin)
+        is_at_node = bool(at_rest) or net is not None and any(
+            math.dist(begin, node) <= NEAR for node in self._nodes[net.source])
+        # a robot that ended its last goal on a lane still has its room there
+        at_rest += [stay.area for stay in stays if stay.begin <= BORDER and stay.area.point is None and (
+            not is_at_node if stay.area.outline is None else stay.area.outline.contains(*begin))]
         held = dict.fromkeys([*at_rest, *(area.group for area in at_rest if area.group is not None)], True)
         return list(self._arrows_along(crossings(with_groups(stays), held), held))
 

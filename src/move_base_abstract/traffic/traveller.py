@@ -15,7 +15,7 @@ from .outline import BORDER
 from .rules import DeadlockPolicy
 from .safe_states import needs_and_keeps, needs_of
 from .spots import standing_on
-from .way import crossings, from_spot, stays_at_nodes, stays_on_lanes, with_groups
+from .way import crossings, stays_of, with_groups
 
 if TYPE_CHECKING:
     from ..engine.stream import Stream
@@ -127,16 +127,11 @@ class Traveller(Holder):
 
     def stays(self, way: Any) -> Sequence[Stay]:
         """Return the Stays of a leg, or of a WayBack, in zones, on lanes and at nodes."""
-        stays: Sequence[Stay] = self._traffic.zones.stays(way.way)
         if self.lanes is None:
-            return stays
+            return self._traffic.zones.stays(way.way)
         source = self.lanes.source
-        nodes = self._traffic.nodes(source)
-        stays = [*stays, *stays_on_lanes(way, lambda edge: self._traffic.lane(source, edge)),
-                 *stays_at_nodes(way, nodes.end_of)]
-        for node in nodes.at(way.start.x, way.start.y):
-            stays = from_spot(stays, node)
-        return stays
+        return stays_of(way, self._traffic.zones, lambda edge: self._traffic.lane(source, edge),
+                        self._traffic.nodes(source))
 
     def _stands(self, event: Stands) -> None:
         """Note that the robot stands: it has arrived, was stopped, or was placed somewhere else."""

@@ -23,6 +23,7 @@ from .outline import BORDER
 
 if TYPE_CHECKING:
     from .area import Area
+    from .nodes import NodeAreas
 
 
 class Stay(NamedTuple):
@@ -129,7 +130,18 @@ def stays_at_nodes(leg: Any, node_at: Callable[[Optional[int], Tuple[float, floa
     return stays
 
 
-def from_spot(stays: Sequence[Stay], node: Area) -> List[Stay]:
+def stays_of(way: Any, zones: ZoneIndex, area_of: Callable[[int], Optional[Area]], nodes: NodeAreas) -> List[Stay]:
+    """Return the Stays of ``way``, a leg or a WayBack on a net, in ``zones``, on lanes and at ``nodes``.
+
+    ``area_of(edge)`` returns the area of an edge, or None if it has none.
+    """
+    stays = [*zones.stays(way.way), *stays_on_lanes(way, area_of), *stays_at_nodes(way, nodes.end_of)]
+    for node in nodes.at(way.start.x, way.start.y):
+        stays = _from_spot(stays, node)
+    return stays
+
+
+def _from_spot(stays: Sequence[Stay], node: Area) -> List[Stay]:
     """Return the Stays of a way that begins at a spot of ``node``: there a robot asks for the first lane already."""
     first = next((stay.end for stay in stays if stay.area is node and stay.begin == 0.0), None)
     return [stay._replace(begin=0.0) if stay.begin == first else stay for stay in stays
