@@ -301,6 +301,9 @@ void LockstepSession::nameMissing() {
     return;
   }
   missing_due_ = run_.wall + kMissingGap;
+  if (run_.rounds.missing().empty()) {
+    return;  // it is stopped
+  }
   run_.messages.say(LockstepMessage::Level::kInfo,
                     "the clock does not start without " + run_.text.missing());
 }

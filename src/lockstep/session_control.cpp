@@ -1,4 +1,5 @@
 // What people ask of a session: the gate, stops, and what a debugger shows.
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -108,6 +109,14 @@ void LockstepSession::letLimitsStand() {
 
 void LockstepSession::look(const std::string& node, bool is_looking) {
   if (is_looking) {
+    std::vector<std::string> names;
+    for (const LockstepStatus::Participant& participant : run_.text.participants()) {
+      names.push_back(participant.name);
+    }
+    if (std::find(names.begin(), names.end(), node) == names.end()) {
+      refuse("looking: node must be a participant, got " + quote(node) +
+             "; there are: " + joined(names));
+    }
     run_.looked_at.insert(node);
   } else if (run_.looked_at.erase(node) == 0) {
     refuse("looking: nobody looks at " + quote(node));

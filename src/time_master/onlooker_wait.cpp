@@ -33,8 +33,11 @@ void OnlookerWait::hold(LockstepServer& server, const std::string& what) {
 }
 
 void OnlookerWait::work(LockstepServer& server, Nanoseconds wall) {
+  if (is_over_) {
+    return;
+  }
   wall = server.with([&](LockstepSession& session) { return session.limitsNow(wall); });
-  if (is_over_ || wall < due_) {
+  if (wall < due_) {
     return;
   }
   due_ = wall + kOnlookerGap;

@@ -117,8 +117,10 @@ TEST(Stops, ARowByItsNumberStopsTheRunThereAlsoBeforeTheStart) {
   stage.join(1, "/a");
   EXPECT_EQ(stage.phase(), "stopped");
   EXPECT_EQ(stage.session.status().reason, "stopped before the first round");
-  EXPECT_EQ(stage.session.nextWake(), kNever);
+  stage.wall += kHour;
+  stage.poll();
   EXPECT_EQ(stage.point(1), "none");
+  EXPECT_FALSE(stage.said("does not start"));
   stage.session.stopWhen(rowNumber(2));
   stage.poll();
   EXPECT_EQ(stage.point(1), "1000+0");
@@ -277,6 +279,8 @@ TEST(Limits, StandWhileSomebodyLooksAtANodeThatWorks) {
   EXPECT_TRUE(pair.said("'/b' has been silent for 10 s"));
   pair.session.look("/a", false);
   EXPECT_EQ(refusal([&] { pair.session.look("/a", false); }), "looking: nobody looks at '/a'");
+  EXPECT_EQ(refusal([&] { pair.session.look("/c", true); }),
+            "looking: node must be a participant, got '/c'; there are: /a, /b");
 }
 
 TEST(Limits, StandWhileANodeSaysThatItIsLookedAt) {

@@ -153,7 +153,7 @@ class World {
     stopOrGoOn();
     ExpectedRound got;
     std::vector<std::pair<std::size_t, std::string>> grants;
-    wall_ += options_.stops ? kNanosecondsPerSecond : 0;
+    wall_ += options_.stops && model_.started() ? kNanosecondsPerSecond : 0;
     for (const LockstepSession::Output& output : session_.poll(wall_)) {
       read(output, got, grants);
     }
