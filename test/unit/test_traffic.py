@@ -9,6 +9,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.planning import StraightLinePlanner
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import check_one_process, make_scenario
+from move_base_abstract.traffic.area import Area
 from traces import rows
 
 S = 1_000_000_000
@@ -317,6 +318,24 @@ def test_a_long_row_of_robots_goes_on_at_one_instant():
     fleet.robot('r399').send(900, 0)
     fleet.run(12 * S)
     assert len(ends(fleet)) == 399 and set(ends(fleet).values()) == {(11.0, 'SUCCEEDED')}
+
+
+def test_states_are_those_of_all_areas_and_made_anew_only_where_anything_has_changed(monkeypatch):
+    row = [dict(GATE, name='z{}'.format(k), rectangle=[2 * k, -1, 2 * k + 2, 1]) for k in range(100)]
+    fleet = fleet_of({'a': (-2, 0), 'b': (-4, 0)}, row)
+    made, make, looks = [], Area.state, []
+
+    def look():
+        made.clear()
+        looks.append(fleet.zones)
+        assert len(made) <= 4 and looks[-1] == [make(area) for area in fleet.traffic.areas()]
+    assert len(fleet.zones) == 100
+    monkeypatch.setattr(Area, 'state', lambda area: made.append(area) or make(area))
+    fleet.traffic.follow(look)
+    for name in ('a', 'b'):
+        fleet.robot(name).send(300, 0)
+    fleet.run()
+    assert len(looks) > 100 and len(ends(fleet)) == 2
 
 
 # ---- lanes

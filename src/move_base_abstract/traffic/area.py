@@ -53,7 +53,6 @@ class Area:
             group._members.append(self)
         self.is_closed = False
         self.is_told = False  # whether its capacity has been reported
-        self._state: Optional[AreaState] = None
         self.queue: List[Request] = []  # in their order
         self.watchers: List[Request] = []  # requests that others overtake while there is no room here
         self.holders: Dict[Traveller, bool] = {}  # in the order in which they came
@@ -144,18 +143,11 @@ class Area:
         waiting = 0 if traveller in self.holders else sum(own is None or one < own for one in self.queue)
         return (len(self.holders) - (traveller in self.holders) + waiting) / self.capacity
 
-    def changed(self) -> None:
-        """Note that its state has changed."""
-        self._state = None
-
     def state(self) -> AreaState:
-        """Return the AreaState. It is made again only after a change."""
-        if self._state is None:
-            robots = sorted(self.holders, key=lambda one: one.index)
-            self._state = AreaState(*self._kind_and_name, self.capacity, self.is_closed,
-                                    tuple(one.name for one in robots),
-                                    tuple(request.traveller.name for request in self.queue))
-        return self._state
+        """Return the AreaState."""
+        robots = sorted(self.holders, key=lambda one: one.index)
+        return AreaState(*self._kind_and_name, self.capacity, self.is_closed, tuple(one.name for one in robots),
+                         tuple(request.traveller.name for request in self.queue))
 
 
 class Request:

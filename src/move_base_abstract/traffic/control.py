@@ -63,6 +63,8 @@ class Traffic:
         self._dirty: List[Area] = []  # areas in which a place may have become free, in that order
         self._is_due = False  # whether it will be decided at the end of this instant who goes on
         self._is_told = True
+        self._states: Dict[Area, AreaState] = {}  # as last asked for; {}: not of these areas
+        self._stale: Dict[Area, bool] = {}  # areas whose states have changed since then
         self._travellers: Dict[Traveller, bool] = {}  # in the order of their names
         self._asking: List[Request] = []  # what robots have asked for at this instant
         self._new: List[Request] = []  # those of them for which there was no place so far
@@ -98,6 +100,7 @@ class Traffic:
                 self._nodes[lanes.source] = NodeAreas(lanes)
         if lanes is None and not self._zones:
             return None
+        self._states.clear()
         if self._limits:
             _check_law(navigator)
         if self.rules.lane_price and isinstance(network, LaneMap):
@@ -131,7 +134,11 @@ class Traffic:
 
     def states(self) -> List[AreaState]:
         """Return the AreaState of each zone, in the order of the scenario, then of each lane, node and group."""
-        return [area.state() for area in self.areas()]
+        if not self._states:
+            self._states = {area: area.state() for area in self.areas()}
+        self._states.update((area, area.state()) for area in self._stale)  # few: this comes at most instants
+        self._stale.clear()
+        return list(self._states.values())
 
     def close_zone(self, name: str, is_closed: bool) -> None:
         """Close a zone, so that no robot may come in, or open it again. Robots inside stay, and may leave.
@@ -245,7 +252,7 @@ class Traffic:
         self._is_told = False
         self._has_moved = self._asks_safe_states
         for area in areas:
-            area.changed()
+            self._stale[area] = True
 
     def follow(self, changed: Callable[[], object]) -> None:
         """Call ``changed()`` whenever anything in :meth:`states` has changed."""
