@@ -9,6 +9,7 @@ from move_base_abstract.fleet import Fleet
 from move_base_abstract.maps.planning import StraightLinePlanner
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.scenario import check_one_process, make_scenario
+from move_base_abstract.traffic import circles
 from move_base_abstract.traffic.area import Area
 from traces import rows
 
@@ -318,6 +319,17 @@ def test_a_long_row_of_robots_goes_on_at_one_instant():
     fleet.robot('r399').send(900, 0)
     fleet.run(12 * S)
     assert len(ends(fleet)) == 399 and set(ends(fleet).values()) == {(11.0, 'SUCCEEDED')}
+
+
+def test_no_graph_is_made_for_a_robot_if_none_before_it_can_wait_for_it(monkeypatch):
+    row = [dict(GATE, name='z{}'.format(k), rectangle=[2 * k, -1, 2 * k + 2, 1]) for k in range(20)]
+    fleet = fleet_of({'r{}'.format(k): (2 * k + 1, 0) for k in range(20)}, row)
+    graphs, make = [], circles.WaitingGraph
+    monkeypatch.setattr(circles, 'WaitingGraph', lambda *arguments: graphs.append(arguments) or make(*arguments))
+    for k in range(19):
+        fleet.robot('r{}'.format(k)).send(2 * k + 3, 0)
+    fleet.run()
+    assert len(rows(fleet, 'held')) == 19 and len(graphs) == 1  # that of the standstill
 
 
 def test_states_are_those_of_all_areas_and_made_anew_only_where_anything_has_changed(monkeypatch):

@@ -44,7 +44,7 @@ class Circles:
         If no robot of a circle could give way when it was reported, and one can now, it is reported again. A robot that
         gives way is in no circle any more, so the loop ends.
         """
-        while self._is_waited_for() and not self._traffic.ways_out.solves(self._traveller):
+        while self._may_be_in_circle() and not self._traffic.ways_out.solves(self._traveller):
             request: Any = self._traveller.request
             circle = WaitingGraph((request,), self._traffic.against).circle(self._traveller)
             if circle is None or not self.resolves(circle, now_ns):
@@ -87,11 +87,28 @@ class Circles:
         self._tell(Warned(now_ns, name, '{} waits for {} for ever, although nothing keeps it out. This is an error of '
                           'move_base_abstract; please report it.'.format(name, area)))
 
-    def _is_waited_for(self) -> bool:
-        """Return whether any robot may wait for this one, which waits itself."""
+    def _may_be_in_circle(self) -> bool:
+        """Return whether a robot for which this one may wait may wait for this one.
+
+        The search is for the robots behind this one, which are few, while those ahead may be a whole jam.
+        """
         request = self._traveller.request
-        return request is not None and (bool(self._traveller.held) or any(
-            area.queue[-1] is not request for area in request.areas))
+        if request is None:
+            return False
+        if self._policy in (DeadlockPolicy.AVOID, DeadlockPolicy.RETREAT):  # careful robots may wait for any other
+            return bool(self._traveller.held) or any(area.queue[-1] is not request for area in request.areas)
+        behind = {self._traveller: True}
+        open_ = [request]
+        for one in open_:
+            following = [other for area in one.traveller.held for other in (*area.queue, *area.watchers)]
+            for area in one.areas:
+                following += area.queue[area.queue.index(one) + 1:]
+            for other in following:
+                if other.traveller not in behind:
+                    behind[other.traveller] = True
+                    open_.append(other)
+        return any(one in behind for area in (*request.areas, *request.ahead) for one in area.holders) or any(
+            one.traveller in behind for area in request.areas for one in area.queue[:area.queue.index(request)])
 
     def way_back(self) -> Optional[WayBack]:
         """Return the way back to where the robot holds no place.
