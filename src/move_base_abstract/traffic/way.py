@@ -135,7 +135,8 @@ def stays_of(way: Any, zones: ZoneIndex, area_of: Callable[[int], Optional[Area]
 
     ``area_of(edge)`` returns the area of an edge, or None if it has none.
     """
-    stays = [*zones.stays(way.way), *stays_on_lanes(way, area_of), *stays_at_nodes(way, nodes.end_of)]
+    at_nodes = stays_at_nodes(way, nodes.end_of) if nodes.areas else ()
+    stays = [*zones.stays(way.way), *stays_on_lanes(way, area_of), *at_nodes]
     for node in nodes.at(way.start.x, way.start.y):
         stays = _from_spot(stays, node)
     return stays
