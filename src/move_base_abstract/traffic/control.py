@@ -249,10 +249,8 @@ class Traffic:
 
     def changed(self, *areas: Area) -> None:
         """Note that other robots hold places in ``areas``, or wait for one; :meth:`serve` will report it."""
-        self._is_told = False
-        self._has_moved = self._asks_safe_states
-        for area in areas:
-            self._stale[area] = True
+        self._is_told, self._has_moved = False, self._asks_safe_states
+        self._stale.update(dict.fromkeys(areas, True))
 
     def follow(self, changed: Callable[[], object]) -> None:
         """Call ``changed()`` whenever anything in :meth:`states` has changed."""
