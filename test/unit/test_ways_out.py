@@ -175,11 +175,24 @@ def test_a_net_with_two_nodes_at_one_point_is_not_searched_and_a_warning_says_so
     assert not rows(fleet, 'broken_off')
 
 
+def test_six_robots_on_nine_nodes_all_change_places(fleet_of):
+    nodes = {'n{}'.format(number): (10 * (number % 3), 10 * (number // 3)) for number in range(9)}
+    edges = [('n{}'.format(one), 'n{}'.format(other)) for one in range(9) for other in range(9)
+             if (other - one == 1 and other % 3) or other - one == 3]
+    fleet = fleet_of([('r{}'.format(number), 'n{}'.format(number)) for number in range(6)], nodes, edges)
+    for number in range(6):
+        fleet.robot('r{}'.format(number)).send(*map(float, nodes['n{}'.format(5 - number)]))
+    fleet.run()
+    assert [row[4] for row in rows(fleet, 'ended')] == ['SUCCEEDED'] * 6
+    assert not fleet.warnings
+
+
 @pytest.mark.parametrize('bound, text', [
     ('MOST_ROBOTS', 'No way out of a jam is searched for more than 1 robots at a time. a, b get places as if each '),
     ('MOST_STATES', 'The search for a way out of a jam gave up after 1 joint places. a, b get places as if each ')])
 def test_a_bound_that_is_hit_is_named_once(fleet_of, monkeypatch, bound, text):
-    monkeypatch.setattr(ways_out, bound, 1)
+    for one in (bound, 'MOST_ALONE') if bound == 'MOST_ROBOTS' else (bound,):
+        monkeypatch.setattr(ways_out, one, 1)
     fleet = fleet_of([('a', 'A'), ('b', 'B')])
     for _ in range(2):
         fleet.robot('a').send(30.0, 0.0)

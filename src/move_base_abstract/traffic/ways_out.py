@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from .traveller import Traveller
 
 
-#: the largest number of robots whose joint places are searched
+#: the largest number of robots whose joint places are searched; if no others are under way, it is MOST_ALONE
 MOST_ROBOTS = 5
+MOST_ALONE = 8
 
 
 #: what holds if a bound is hit
@@ -258,7 +259,7 @@ class WaysOut:
         """Return (the moves, the robots for which there is no way)."""
         wanted, goals = self._wanted(starts, net), [start.goal for start in starts]
         without: List[Traveller] = []
-        most = MOST_STATES
+        most = whole = MOST_STATES if len(starts) <= MOST_ROBOTS else MOST_STATES // MOST_ROBOTS
         try:
             moves = find_moves(net, begin, wanted, most, goals)
             if moves is not None:
@@ -273,7 +274,7 @@ class WaysOut:
             self._tell('states', [start.traveller for start in starts], now_ns, (
                 'The search for a way out of a jam gave up after {:,} joint places. {} {}').format(
                     most, _names(start.traveller for start in starts), _WITHOUT))
-        if most < MOST_STATES and None not in wanted:
+        if most < whole and None not in wanted:
             self._tell_no_way(starts, without, now_ns)
         return moves, without
 
@@ -290,7 +291,7 @@ class WaysOut:
         driving = [one for one in self._traffic.travellers() if one.lanes is not None and one in self._goals
                    and one.navigator.travel.target is not None]
         concerned = [one for one in driving if one in stuck] or driving
-        if len(driving) <= MOST_ROBOTS:
+        if len(driving) <= MOST_ALONE:
             concerned = driving
         elif len(concerned) > MOST_ROBOTS:
             self._tell('robots', concerned, now_ns, (
