@@ -1,5 +1,6 @@
 // Checks by the wall clock whether the thread that has the turn is stuck: whether it waits in a way
 // that this library does not see, or computes without end.
+#include <pthread.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -84,6 +85,7 @@ void Turn::standIn() {
                      }).get();
   std::thread([this, task] {
     becomeInternal();
+    pthread_setname_np(pthread_self(), "lockstep_turn");
     run(task);
   }).detach();
 }

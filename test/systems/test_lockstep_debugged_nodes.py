@@ -1,12 +1,15 @@
 """pdb in nodes of a run in lockstep: where it stops, what it shows, and that passed breakpoints change nothing."""
 import os
+import re
 import select
+import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
 from own_folder import OwnPackage, events_of
-from waiting import GUARD
+from waiting import GUARD, wait_for
 
 from move_base_abstract.runs.event_log import labels_of
 from move_base_abstract_ros.debugging.node_sessions import NodeSessions
@@ -17,6 +20,7 @@ import rospy
 from std_msgs.msg import Int32, String
 rospy.init_node('talker')
 rospy.Subscriber('/told', String, str)
+rospy.Subscriber('/fired', String, str)
 publisher = rospy.Publisher('/numbers', Int32, queue_size=10)
 rate = rospy.Rate(10)
 n = 0
@@ -101,7 +105,7 @@ class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
     def setUp(self):
         super().setUp()
         self.launch_file = self.write('two.launch', '<launch>{}</launch>'.format(NODES.format('')))
-        self.shown, self.stops, self.news = [], [], []
+        self.shown, self.stops, self.news, self.at_first_stop = [], [], [], None
 
     def plain(self):
         """Return the bytes of the log of a run without a debugger."""
@@ -132,15 +136,18 @@ class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
                     stderr=output, cwd=self.folder)
             self.addCleanup(run.wait)
             self.addCleanup(run.kill)
+            deadline = time.monotonic() + GUARD
             while run.poll() is None:
-                self.assertTrue(select.select([sessions], [], [], GUARD)[0], 'no news')
+                self.assertLess(time.monotonic(), deadline, self.news)
+                select.select([sessions], [], [], 0.1)
                 for one in sessions.news():
                     self.news.append(one)
                     if one.kind == 'stopped':
                         self.stops.append(one.text)
+                        if self.at_first_stop is not None:
+                            self.at_first_stop(sessions)
+                            self.at_first_stop = None
                         sessions.talk(one.node, lambda _prompt, node=one.node: read(node), self.shown.append)
-                    elif one.kind == 'gone' and not sessions.nodes:
-                        run.wait(GUARD)
         with open(self.path('output')) as said:
             self.assertEqual(run.returncode, 0, said.read())
         self.assertEqual(commands, [])
@@ -157,14 +164,14 @@ class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
     def test_passed_breakpoints_leave_the_log_as_it_is(self):
         plain = self.plain()
         places = [('listener.py', HEAR, ''), ('listener.py', SHOW, '/listener'), ('listener.py', AFTER_WAIT, ''),
-                  ('arithmetic.py', 2, ''), ('late_arithmetic.py', 3, ''), ('talker.py', 10, '/listener'),
-                  (self.path('talker.py'), 11, '')]
+                  ('arithmetic.py', 2, ''), ('late_arithmetic.py', 3, ''), ('talker.py', 11, '/listener'),
+                  (self.path('talker.py'), 12, '')]
         found = self.debugged(places, ['where', 'p self.robots', 'p self.robots[3] in set(self.robots)', 'args'])
         self.assertEqual(found, plain)
         stops = self.places_of_stops()
         self.assertEqual({*stops}, {'listener.py:{}'.format(line) for line in (HEAR, SHOW, AFTER_WAIT)} | {
-            'arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:11'})
-        self.assertEqual([stops.count(one) for one in ('arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:11')],
+            'arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:12'})
+        self.assertEqual([stops.count(one) for one in ('arithmetic.py:2', 'late_arithmetic.py:3', 'talker.py:12')],
                          [40, 40, 41])
         self.assertIn('Robot object at 0x', self.text)
         self.assertEqual([one for one in self.news if one.kind in ('touched', 'refused')], [])
@@ -205,11 +212,36 @@ class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
     def test_a_node_that_charges_what_it_measures_is_not_debugged(self):
         charge = '<param name="lockstep_charge" value="measured"/>'
         launch_file = self.write('charged.launch', '<launch>{}</launch>'.format(NODES.format(charge)))
-        self.debugged([('listener.py', HEAR, ''), ('talker.py', 11, '')], ['clear'], '', launch_file, '/talker')
-        self.assertEqual(self.places_of_stops(), ['talker.py:11'])
+        self.debugged([('listener.py', HEAR, ''), ('talker.py', 12, '')], ['clear'], '', launch_file, '/talker')
+        self.assertEqual(self.places_of_stops(), ['talker.py:12'])
         refused = [one.text for one in self.news if one.kind == 'refused']
         self.assertEqual(len(refused), 1)
         self.assertIn('/listener charges the time that it measures (lockstep_charge: measured)', refused[0])
+
+    @unittest.skipUnless(shutil.which('gdb'), 'gdb is not installed')
+    def test_a_roscpp_node_stops_in_gdb_and_the_log_is_as_without(self):
+        node = '<node pkg="move_base_abstract" type="shim_timer" name="timers"/>'
+        self.launch_file = self.write('timers.launch', '<launch>{}{}</launch>'.format(NODES.format(''), node))
+        plain, gdb = self.plain(), []
+
+        def attach(sessions):
+            """Attach gdb while the talker stands at a breakpoint, so that time cannot go on before it is there."""
+            note, found = self.path('attached'), sessions.nodes['/timers']
+            self.assertEqual((found.is_python, os.path.basename(found.path)), (False, 'shim_timer'))
+            with open(self.path('gdb'), 'wb') as output:
+                gdb.append(subprocess.Popen(
+                    ['gdb', '-q', '-batch', '-p', str(found.pid), '-ex', 'break ros::Publisher::publish', '-ex',
+                     'shell : > ' + note, *['-ex', 'continue'] * 3, '-ex', 'bt', '-ex', 'info threads'], stdout=output,
+                    stderr=output, stdin=subprocess.DEVNULL))
+            wait_for('gdb', lambda: os.path.exists(note) or gdb[0].poll() is not None)
+        self.at_first_stop = attach
+        self.assertEqual(self.debugged([('talker.py', 12, '')], ['quit'], typed_in='/talker'), plain)
+        gdb[0].wait(GUARD)
+        with open(self.path('gdb')) as stream:
+            said = stream.read()
+        self.assertIn('nodeMain', said)
+        self.assertIn('lockstep_watch', said)
+        self.assertEqual(len(re.findall('^Thread .* hit Breakpoint 1', said, re.MULTILINE)), 3, said)
 
     def test_without_a_debug_program_that_listens_the_run_is_a_plain_one(self):
         plain = self.plain()

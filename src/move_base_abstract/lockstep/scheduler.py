@@ -17,8 +17,9 @@ import heapq
 import sys
 import threading
 from collections import deque
+from contextlib import contextmanager
 from threading import get_ident
-from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Tuple
 
 from .beside import Beside
 from .loops import Looking, holds
@@ -327,12 +328,18 @@ class Scheduler(Looking, Beside):
 
     def start_thread(self, start: Callable[..., Any], thread: threading.Thread) -> None:
         """Call ``start(thread)``. Python itself waits meanwhile, which does not count as a wait of the application."""
-        if not self.is_mine():
+        with self.beside_turns():
             start(thread)
+
+    @contextmanager
+    def beside_turns(self) -> Iterator[None]:
+        """Give a context in which what the calling thread does and waits for is not the application's."""
+        if not self.is_mine():
+            yield
             return
         mine, self.turn_ident = self.turn_ident, 0
         try:
-            start(thread)
+            yield
         finally:
             self.turn_ident = mine
 

@@ -35,6 +35,7 @@ class Node:
 
     def __init__(self, connection: socket.socket) -> None:
         self.name, self.path, self.pid, self.is_python = '', '', 0, True
+        self.words: List[str] = []  # arguments of its program
         self.places: List[Any] = []  # that it has been sent
         self.has_left = False  # somebody has quit pdb in it
         self.talk: Any = queue.Queue()
@@ -121,6 +122,10 @@ class NodeSessions:
                     return
             self._awaited.append(name)
 
+    def wait_for_editor(self, name: str, port: int) -> None:
+        """Have a node wait for an editor at 127.0.0.1, at its next turn. :raises KeyError: if it is not there."""
+        self.nodes[name].send('code', port=port)
+
     def _send_places(self, node: Node) -> None:
         places = [[file, line] for file, line, of in self.places if of in ('', node.name)]
         if places != node.places and not node.has_left:
@@ -130,17 +135,20 @@ class NodeSessions:
     def talk(self, name: str, read_line: Callable[[str], Optional[str]], write: Callable[[str], object]) -> None:
         """Forward the prompt of a node that has stopped, until it goes on.
 
-        ``read_line(prompt)`` returns a line, or None if no more will come; ``write(text)`` shows what the node says.
+        ``read_line(prompt)`` returns a line, or None if no more will come; ``write(text)`` shows whole lines.
         """
-        node = self.nodes.get(name)
+        node, said = self.nodes.get(name), ''
         while node is not None:
             message = node.talk.get()
             word = message['is']
             if word == 'text':
-                write(message['text'])
+                lines, is_line, said = (said + message['text']).rpartition('\n')
+                write(lines + is_line)
             elif word == 'prompt':
-                node.send('line', text=read_line(''))
+                node.send('line', text=read_line(said))
+                said = ''
             elif word in ('going', 'gone'):
+                write(said)
                 return
 
     def close(self) -> None:
@@ -190,7 +198,7 @@ class NodeSessions:
     def _there(self, node: Node, message: Dict[str, Any]) -> None:
         with self._lock:
             node.name, node.path, node.pid = message['node'], message['path'], message['pid']
-            node.is_python = message['is_python']
+            node.is_python, node.words = message['is_python'], message['words']
             self._send_places(node)
             if node.name in self._awaited:
                 self._awaited.remove(node.name)

@@ -17,6 +17,7 @@ from .code import callers, objects, own_code, turns
 from .code.labels import told
 from .debugging import VARIABLE
 from .exchange import access
+from .failing import tracebacks
 from .machine import arenas, chance, clocks, identity, sqlite, unrepeatable_calls
 from .machine.files import files
 from .machine.native import native
@@ -80,6 +81,7 @@ def _watch(options: argparse.Namespace, name: str, before_node: Early) -> None:
     unrepeatable_calls.hand_on(seen)
     event_loops.install(seen, before_node.take_part)
     garbage.install()
+    tracebacks.install()
     threads.watch_start(before_node.take_part)
     finish.watch_ends()
     kernel_waits.install(sleep.wait)
@@ -192,7 +194,7 @@ def _execute(kind: str, path: str, arguments: Sequence[str], compile_script: Cal
 
 
 def _call(main: Callable[..., Any]) -> None:
-    """Call the program. A traceback begins with the program's own first line."""
+    """Call the program. A traceback has only the program's lines."""
     try:
         main()
     except SystemExit:
@@ -200,14 +202,6 @@ def _call(main: Callable[..., Any]) -> None:
     except TurnLost:
         sys.exit(finish.exit_code() or 0)  # the run is over, as the log says
     except BaseException as error:
-        trace = error.__traceback__
-        while trace is not None and _is_ours(trace.tb_frame.f_code.co_filename):
-            trace = trace.tb_next
-        error = error.with_traceback(trace)
-        sys.excepthook(type(error), error, trace)
+        trace = tracebacks.without_ours(error.__traceback__)
+        sys.excepthook(type(error), error.with_traceback(trace), trace)
         sys.exit(130 if isinstance(error, KeyboardInterrupt) else 1)
-
-
-def _is_ours(filename: str) -> bool:
-    return filename.startswith('<frozen runpy') or filename.startswith(os.path.dirname(__file__) + os.sep) or (
-        os.path.basename(filename) == 'runpy.py')

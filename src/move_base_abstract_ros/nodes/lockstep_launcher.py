@@ -18,6 +18,7 @@ from move_base_abstract.common import processes
 from move_base_abstract.common.shown import shown
 from move_base_abstract.lockstep.wire import MAX_RANK
 
+from ..lockstep.debugging import VARIABLE
 from ..lockstep.programs import address_layout, native_library, shell_scripts
 from ..lockstep.programs.command_line import PYTHON, find, kind_of, own_words, path_of, split_interpreter
 
@@ -47,6 +48,9 @@ def main():
     # Import only what this kind of program needs. For a binary that is little, and takes a tenth of the time.
     if kind == 'binary':
         from ..lockstep.programs import binary
+        if os.environ.get(VARIABLE):
+            from ..lockstep.debugging import link
+            link.tell_of_binary(os.environ[VARIABLE], binary.node_name(path, arguments, os.environ), path, arguments)
         binary.execute(path, arguments, options)
     elif kind == 'shell':
         shell_scripts.execute(path, arguments, sys.argv[:len(sys.argv) - len(command)])

@@ -183,6 +183,7 @@ _ROWS = (
     Row('rospy.get_node_uri', LAUNCHER, _TOLD),
     Row('os.readlink', LAUNCHER, 'labels the run for what lies in /dev, /proc and /sys'),
     *_rows(LAUNCHER, _ASKED, 'os.stat', 'os.lstat', 'os.access'),
+    Row('traceback.TracebackException.__init__', LAUNCHER, 'leaves frames of lockstep out of tracebacks'),
     Row('logging.Formatter.__init__', LAUNCHER, 'labels the run if the log shows the number of a process or thread'),
     Row('threading.Thread.ident', LAUNCHER, 'labels the run if the program shows it, or orders anything by it'),
     Row('threading.Thread.native_id', LAUNCHER, _TOLD),

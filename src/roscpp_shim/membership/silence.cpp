@@ -1,6 +1,7 @@
 #include "silence.h"
 
 #include <poll.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,6 +22,7 @@ constexpr Nanoseconds kShortestGap = 1;   // ms, wall
 void SilenceWatch::begin(Nanoseconds limit, Granted granted, Tell tell) {
   if (limit < kNever && !thread_.joinable()) {
     thread_ = std::thread([this, limit, granted = std::move(granted), tell = std::move(tell)] {
+      pthread_setname_np(pthread_self(), "lockstep_busy");
       watch(limit, granted, tell);
     });
   }

@@ -3,8 +3,12 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any, Dict, Optional
+from contextlib import contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
 
+from move_base_abstract.lockstep import wire
+
+from . import editors
 from .link import Link
 from .node_debugger import NodeDebugger
 
@@ -43,7 +47,8 @@ class Attached:
         participant.scheduler.turn_begins = self.debugger.turn_begins
 
     def _tell_there(self) -> None:
-        self._link.send('there', node=self._name, path=os.path.realpath(self._path), pid=os.getpid(), is_python=True)
+        self._link.send('there', node=self._name, path=os.path.realpath(self._path), pid=os.getpid(), is_python=True,
+                        words=[])
 
     def _handle(self, message: Dict[str, Any]) -> None:
         word = message.get('is')
@@ -56,11 +61,28 @@ class Attached:
         elif word == 'stop':
             self.debugger.stop_at_next_line()
         elif word == 'code':
-            pass
+            self._let_editor_in(int(message['port']))
+
+    def _let_editor_in(self, port: int) -> None:
+        self.debugger.detach()
+        with self._looked_at():
+            trace_thread = editors.wait_for_editor(port, self._link, self._looked_at)
+        if trace_thread is not None and self._participant is not None:
+            self._participant.scheduler.turn_begins = trace_thread
+
+    @contextmanager
+    def _looked_at(self) -> Iterator[None]:
+        self._looks(True)
+        try:
+            with nullcontext() if self._participant is None else self._participant.scheduler.beside_turns():
+                yield
+        finally:
+            self._looks(False)
 
     def _looks(self, is_there: bool) -> None:
         if self._participant is not None:
             self._participant.is_looked_at = is_there
+            self._participant.connection.try_to_send(wire.looked(is_there))
 
     def _describe(self) -> Dict[str, Any]:
         now_ns = 0 if self._participant is None else self._participant.now_ns

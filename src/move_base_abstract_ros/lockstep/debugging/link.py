@@ -13,10 +13,10 @@ import os
 import socket
 import sys
 import threading
-from typing import Any, Callable, Dict, Iterator, Optional
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence
 
-#: from the participant: there (node, path, pid), stopped (file, line, thread, time_ns), prompt (text), text, going,
-#: touched (text), refused (text), note (text), left
+#: from the participant: there (node, path, pid, is_python, words), stopped (file, line, thread, time_ns), prompt, text
+#: (text), going, touched (text), refused (text), note (text), left
 #: to the participant: places ([[file, line], ...]), stop, line (text, None at the end of commands), code (port), begin
 #: after those that are there at the start
 WORDS = ('there', 'stopped', 'prompt', 'text', 'going', 'touched', 'refused', 'note', 'left',
@@ -99,6 +99,13 @@ class Link:
         self.send('prompt')
         text: Optional[str] = self._lines.get()
         return '' if text is None else text.rstrip('\n') + '\n'
+
+
+def tell_of_binary(path: str, name: str, program: str, words: Sequence[str]) -> None:
+    """Tell the program `debug` of a binary that this process is about to become, so that gdb finds it."""
+    with contextlib.suppress(OSError):
+        Link(path).send('there', node=name, path=os.path.realpath(program), pid=os.getpid(), is_python=False,
+                        words=list(words))
 
 
 def _connected(path: str) -> socket.socket:

@@ -19,6 +19,7 @@ from move_base_abstract.runs.failures import FIRST_USE, UNCAUGHT, words_of
 
 from ...replacing.replaced import replace
 from ..code.own_code import is_library
+from .tracebacks import hide_ours
 
 if TYPE_CHECKING:
     from ..exchange.topics import Topics
@@ -207,6 +208,7 @@ def _in_threads(excepthook: Callable[..., Any]) -> Callable[..., Any]:
         if args.exc_value is not None:
             is_ours = getattr(args.thread, 'name', '').startswith('lockstep_')
             tell(args.exc_value, 'a callback' if is_ours else words_of(args.thread))
+            hide_ours(args.exc_value)
         excepthook(args)
     return _excepthook
 

@@ -24,6 +24,7 @@ from move_base_abstract.lockstep.task import TurnLost
 from ...process.process_end import leave
 from ...replacing.replaced import replace
 from ..failing import uncaught
+from ..failing.tracebacks import hide_ours
 from ..waiting.waits import replace_within
 
 if TYPE_CHECKING:
@@ -63,7 +64,8 @@ def install(participant: Participant) -> None:
                 participant.interrupted('keyboard interrupt')
             if not issubclass(kind, TurnLost):
                 uncaught.tell(error, 'the main thread')
-                original(kind, error, trace)
+                hide_ours(error)
+                original(kind, error, error.__traceback__)
         return _excepthook
 
     def signal_shutdown(original: Callable[..., Any]) -> Callable[..., Any]:
@@ -144,7 +146,7 @@ def end_node(reason: str, as_wished: bool) -> None:
 
     If the run is not over ``as_wished``, that is an error, unless a signal ends this process at the same time.
     """
-    _state.ending = threading.Thread(target=_end_node, args=(reason, as_wished), daemon=True)
+    _state.ending = threading.Thread(target=_end_node, args=(reason, as_wished), name='lockstep_end', daemon=True)
     threading.Thread.start(_state.ending)
 
 
@@ -186,7 +188,7 @@ def end_what_is_stuck() -> None:
     """Watch the process from now on, and end it when only threads that wait for others keep it alive."""
     if not _state.is_watched:
         _state.is_watched = True
-        threading.Thread.start(threading.Thread(target=_end_what_is_stuck, daemon=True))
+        threading.Thread.start(threading.Thread(target=_end_what_is_stuck, name='lockstep_stuck', daemon=True))
 
 
 def _end_what_is_stuck() -> None:
