@@ -262,6 +262,17 @@ def rooms(house):
     return lines
 
 
+def commands(_name):
+    """Return the lines of the table of the debugger's commands, from the docstrings of its prompt."""
+    lines = ['| command | what it does |', '|---|---|']
+    for path in sorted((ROOT / 'src' / 'move_base_abstract_ros' / 'debugging').glob('*.py'), reverse=True):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            if isinstance(node, ast.FunctionDef) and node.name.startswith('do_'):
+                usage, _, words = ' '.join(ast.get_docstring(node).replace('|', r'\|').split()).partition('`: ')
+                lines.append(f'| {usage}` | {words[:1].lower()}{words[1:]} |')
+    return lines
+
+
 _SAMPLES = (1.0, True, 1, 'a/B', '[[1, 0], [0, 1], [-1, -1]]', [{'name': 'static_layer', 'type': 'x/StaticLayer'}])
 
 
@@ -308,7 +319,7 @@ def of_upstream(_name):
 #: what makes the other tables within pages, by their kind
 OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
           'rows': rows_of, 'faults': faults, 'failures': failures_of_runs,
-          'upstream': of_upstream, 'programs': list_of_programs, 'rooms': rooms}
+          'commands': commands, 'upstream': of_upstream, 'programs': list_of_programs, 'rooms': rooms}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
 

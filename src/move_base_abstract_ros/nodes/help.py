@@ -31,6 +31,8 @@ PROGRAMS = {
         'lockstep_launch': ('runs an unchanged launch file in lockstep, also as a `<test>` of rostest, and scripts '
                             'that start launch files',
                             'lockstep_launch.md', 'lockstep_launch'),
+        'debug': ('runs a launch file in lockstep, with a prompt: stop anywhere, look, go on, go back', 'debug.md',
+                  'debug'),
         'lockstep': ('starts an unmodified program as a participant', 'lockstep_launcher.md', 'lockstep_launcher'),
         'time_master': ('publishes `/clock`: lockstep, or a factor; pause, step, run until, holds',
                         'time_master.md', ''),
