@@ -16,7 +16,8 @@ from waiting import GUARD, children_of, wait_for
 from move_base_abstract_ros.loopback import find_executable
 
 DEMO = ('--until', '200', 'move_base_abstract', 'coordinator.launch')
-#: a coordinator with a fault of a public kind: in its second done callback it asks for what is not there
+LONG = ('--log-messages', '--until', '4000', 'move_base_abstract', 'coordinator.launch')
+#: a coordinator with a fault: in its second done callback it asks for what is not there
 COORDINATOR = """#!/usr/bin/env python3
 import actionlib
 import rospy
@@ -34,18 +35,15 @@ done = []
 def on_done(_state, _result):
     done.append(1)
     status.publish(names[len(done)])
-    send()
 
 
-def send():
+for number in (1, 2, 3):
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = 'map'
-    goal.target_pose.pose.position.x = 5.0 * (len(done) + 1)
+    goal.target_pose.pose.position.x = 5.0 * number
     goal.target_pose.pose.orientation.w = 1.0
     client.send_goal(goal, on_done)
-
-
-send()
+    client.wait_for_result()
 rospy.spin()
 """
 FAULT = """<launch>
@@ -198,11 +196,11 @@ class SamenessTest(Debugger):
     def test_random_stops_change_nothing(self):
         """Also those within service calls, and while nodes start."""
         rng = random.Random(53)
-        plain = self.plain('plain.jsonl', '--log-messages', *DEMO)
+        plain = self.plain('plain.jsonl', *LONG)
         for number in range(times(1, 5)):
             log = 'debugged_{}.jsonl'.format(number)
             commands = [*(rng.choice(RANDOM) for _ in range(times(30, 60))), 'until end']
-            self.debug(commands, '--log-messages', '--event-log', log, *DEMO)
+            self.debug(commands, '--event-log', log, *LONG)
             self.assertTrue(filecmp.cmp(plain, self.path(log), shallow=False))
 
     def test_after_the_way_back_the_run_goes_on_as_before(self):
@@ -225,7 +223,7 @@ class LogTest(Debugger):
 
     def test_a_log_starts_its_run_again_from_another_folder(self):
         os.mkdir(self.path('there'))
-        log = self.plain('there/A.jsonl', '--until', '20', '--seed', '3', 'fault.launch', code=3)
+        log = self.plain('there/A.jsonl', '--until', '25', '--seed', '3', 'fault.launch', code=3)
         said = self.debug(['until end'], '--log', log, '--at', '4.5', code=3)
         self.assertEqual(said['start'][0]['time_ns'], 4_500_000_000)
         self.assertNotIn('said', said['until'][0])
@@ -233,11 +231,20 @@ class LogTest(Debugger):
         self.assertGreaterEqual(said['start'][0]['rows_so_far'], 3)
 
     def test_a_file_that_has_changed_since_is_named_and_so_is_the_row(self):
-        log = self.plain('A.jsonl', '--until', '20', self.fault, code=3)
+        log = self.plain('A.jsonl', '--until', '25', self.fault, code=3)
         self.write('coordinator.py', COORDINATOR.replace('5.0 *', '6.0 *'), 0o755)
         said = self.debug(['until end'], '--log', log, code=5)
         self.assertIn('coordinator.py has changed since', said[''])
-        self.assertIn('row 2 is not as it was', said['until'][0]['said'][0])
+        self.assertIn('row 2 is not as in ' + log, said['until'][0]['said'][0])
+
+
+def has_ended(pid):
+    """Return whether a process has ended, even if nobody has asked for its exit code."""
+    try:
+        with open('/proc/{}/stat'.format(pid)) as stream:
+            return stream.read().rpartition(')')[2].split()[0] == 'Z'
+    except FileNotFoundError:
+        return True
 
 
 class TerminalTest(Debugger):
@@ -280,4 +287,4 @@ class TerminalTest(Debugger):
             process.send_signal(number)
             self.assertIn(process.wait(GUARD), (128 + number, -number))
             for pid in pids:
-                wait_for('the end of the run', lambda pid=pid: not os.path.exists('/proc/{}'.format(pid)))
+                wait_for('the end of the run', lambda pid=pid: has_ended(pid))

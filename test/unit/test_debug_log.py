@@ -71,6 +71,15 @@ def test_the_first_row_that_breaks_something_is_found_among_all(tmp_path):
     assert log.first_break(0, [], ['charged']) is None
 
 
+def test_the_end_of_a_run_may_break_what_no_row_breaks(tmp_path):
+    end = json.dumps({'end': {'events': 1, 'not_repeatable_because': [], 'degraded_because': [], 'ended_by': 'deadlock',
+                              'at_ns': 9, 'reason': 'that is why'}}) + '\n'
+    log = log_of(tmp_path / 'a.jsonl', DRIVE[0], end)
+    assert log.broken(1) == []
+    count, broken = log.first_break(0, [])
+    assert (count, broken.property) == (2, 'no_standstill')
+
+
 @pytest.mark.parametrize('other, number', [
     (DRIVE, None), (DRIVE[:2], None), ([*DRIVE, line(9, 'bot', 'goal', 'b')], None),
     ([*DRIVE[:2], DRIVE[3], DRIVE[2]], 3), ([line(2, 'bot', 'goal', 'b')], 1)])

@@ -160,7 +160,7 @@ def test_a_run_is_held_to_a_log_that_is_given(session_of, tmp_path):
     rounds = [*ROUNDS[:2], (2, 'bcx')]
     again = Session(lambda folder, log, _places: FakeRun(folder, log, rounds), str(other), known=known)
     again.go_until(2 * S)
-    assert not again.is_repeatable and 'row 4 is' in again.said[0]
+    assert not again.is_repeatable and 'row 4 is not as in ' + known.path in again.said[0]
 
 
 def test_a_run_that_was_touched_is_no_measure(session_of):

@@ -73,9 +73,9 @@ class LogSoFar:
         return self._story
 
     def broken(self, count: int, properties: Sequence[str] = (ALL,)) -> List[Broken]:
-        """Return the properties that the first ``count`` rows break; all rows of a run that is over: with its end."""
+        """Return the properties that the first ``count`` rows break; with one more than there are, also by the end."""
         lines = self.lines[:count]
-        if self.end and count >= len(self.lines):
+        if count > len(self.lines):
             lines = [*lines, self.end]
         return list(judge_log(self._log(lines), properties=properties).broken)
 
@@ -83,11 +83,11 @@ class LogSoFar:
                     properties: Sequence[str] = (ALL,)) -> Optional[Tuple[int, Broken]]:
         """Return (number of rows, Broken) of the first row by which a property is broken, or None.
 
-        ``low``: a number of rows that break only what is ``known``.
+        The end of the log counts as one more row. ``low``: a number of rows that break only what is ``known``.
         """
         def new(count: int) -> List[Broken]:
             return [one for one in self.broken(count, properties) if one not in known]
-        high = len(self.lines)
+        high = len(self.lines) + bool(self.end)
         found = new(high)
         while found and high - low > 1:
             middle = (low + high) // 2

@@ -31,6 +31,7 @@ class Session:
         self._begin, self._folder, self._log = begin, folder, log
         self._ending = os.path.splitext(known.path if known else log)[1] or '.jsonl'
         self._numbers = itertools.count(1)
+        self._given = known
         self._known: Sequence[bytes] = known.lines if known else []
         self._equal = 0  # the number of rows of this run that are known to be equal
         self.said: List[str] = []  # lines for the user that no command has shown yet
@@ -75,12 +76,18 @@ class Session:
                 self.run.await_end()  # then the log has its end
             found = self.run.log.first_break(low, known, properties)
             if found is not None:
-                if found[0] < len(self.run.log.lines):
-                    self.to_row(found[0])
+                self._stand_at(found[0])
                 return found[1]
             if self.run.is_over or self.run.state.phase in STANDS or self.run.state.phase == 'stopped':
                 return None
             low, slice_ns = len(self.run.log.lines), 2 * slice_ns
+
+    def _stand_at(self, row: int) -> None:
+        """Have the run stand after the round in which the log got ``row`` rows; one more than it has: at its end."""
+        log = self.run.log
+        if row < len(log.lines) or row == len(log.lines) and (
+                self.run.is_over or log.entries(row - 1, row)[0].time_ns < self.run.now_ns):
+            self.to_row(row)
 
     # --- going back --------------------------------------------------------------------------------------------------
 
@@ -136,8 +143,10 @@ class Session:
         self._equal = len(run.log.lines)
 
     def _difference(self, number: int) -> Iterator[str]:
-        yield 'row {} is not as it was in the run before: this system is not repeatable, so back leads to another run' \
-              .format(number)
+        yield ('row {} is not as in {}: something has changed since, or this system is not repeatable'.format(
+            number, self._given.path) if self._given is not None and self._known is self._given.lines else
+            'row {} is not as it was in the run before: this system is not repeatable, so back leads to another '
+            'run'.format(number))
         for name, lines in (('before', self._known), ('now', self.run.log.lines)):
             yield '  {}: {}'.format(name, lines[number - 1].decode('utf-8', 'replace').rstrip())
         yield 'what makes it so: why; next: rosrun move_base_abstract verify with the same words'

@@ -51,13 +51,16 @@ def as_data(message: Any) -> Dict[str, Any]:
     data: Dict[str, Any] = {}
     for name in message.__slots__:
         value = getattr(message, name)
-        if isinstance(value, genpy.Time):
-            data[name + '_ns'] = value.to_nsec()
-        elif isinstance(value, list):
-            data[name] = [as_data(one) if isinstance(one, genpy.Message) else one for one in value]
-        else:
-            data[name] = value
+        data[name + '_ns' if isinstance(value, genpy.rostime.TVal) else name] = _plain(value)
     return data
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, genpy.rostime.TVal):
+        return value.to_nsec()
+    if isinstance(value, (list, tuple, bytes)):
+        return [_plain(one) for one in value]
+    return as_data(value) if isinstance(value, genpy.Message) else value
 
 
 def lines(state: Any, name: str = '/time_master') -> List[str]:

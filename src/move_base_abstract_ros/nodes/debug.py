@@ -17,12 +17,13 @@ import signal
 import sys
 
 from move_base_abstract.common import guard, temporary
-from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.errors import telling
 from move_base_abstract.common.input_files import open_text_input
 from move_base_abstract.common.kinds import number
 from move_base_abstract.common.options import POSITIVE, word_of
 from move_base_abstract.runs import run_file
 
+from ..loopback import LoopbackError, find_executable
 from .launch_run import launched
 
 _BAD, _CANNOT, _OTHER = 1, 2, 5
@@ -35,12 +36,8 @@ _REFUSED = (('list', 'nothing is started, so that there is nothing to debug'),
 def main():
     """Debug, and exit with the code."""
     options, run = _parse(sys.argv[1:])
-    try:
-        with temporary.folder('debug_') as folder:
-            sys.exit(_debug(options, run, folder))
-    except SimulatorError as error:
-        print('debug: {}'.format(error), file=sys.stderr)
-        sys.exit(_CANNOT)
+    with telling('debug', LoopbackError, code=_CANNOT), temporary.folder('debug_') as folder:
+        sys.exit(_debug(options, run, folder))
 
 
 def _parse(words):
@@ -87,14 +84,13 @@ def _debug(options, run, folder):
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run ends in its own time
         ended = session.run.end()
-    return code or ended or (0 if session.is_repeatable else _OTHER) or (_BAD if has_refused and not is_typed else 0)
+    return code or (0 if session.is_repeatable else _OTHER) or ended or (_BAD if has_refused and not is_typed else 0)
 
 
 def _session(options, run, folder):
     from ..debugging.debugged_run import DebuggedRun
     from ..debugging.log_so_far import LogSoFar
     from ..debugging.session import Session
-    from ..loopback import find_executable
     program, log, known = find_executable('lockstep_launch'), '', None
     if run is not None:
         words, cwd, environment = launched.words_again(run), os.getcwd(), dict(os.environ)
