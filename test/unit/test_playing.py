@@ -16,12 +16,31 @@ PLAY = struct.Struct('<BIIIBIqqI')  # up to the length of its payload
 
 
 class Publisher:
-    """A publisher of rospy's that a participant hears, and the link to it."""
+    """A publisher of rospy's that a participant hears, and the link to it.
+
+    Its number holds under its lock only: rospy's thread sends a newcomer among the onlookers a message that does not count.
+    """
 
     closed, resolved_name = False, '/topic'
 
     def __init__(self, sub=0):
-        self.seq, self.connections, self._sub = 10, [self], sub
+        self.connections, self._sub = [self], sub
+        self._seq, self._locked = 10, False
+
+    @property
+    def seq(self):
+        return self._seq if self._locked else self._seq + 1
+
+    @seq.setter
+    def seq(self, number):
+        assert self._locked
+        self._seq = number
+
+    def acquire(self):
+        self._locked = True
+
+    def release(self):
+        self._locked = False
 
     def address(self):
         return 1, self._sub, (2,)
@@ -78,7 +97,7 @@ def test_a_publisher_of_several_series_counts_its_messages_in_the_order_of_their
     assert source.told(before=1.7)[0] == [(b'12 at 11', 1.1, None), (b'14 at 16', 1.6, None),
                                           (b'11 at 10', 1.0, None), (b'13 at 15', 1.5, None)]
     source.player.happened(round(1.5 * SECOND))
-    assert publisher.seq == 13
+    assert publisher._seq == 13
     assert source.done == [1.1, 1.5]  # the last one of each series
     assert source.told(before=1.9)[0] == [(b'14 at 16', 1.6, None)]
 

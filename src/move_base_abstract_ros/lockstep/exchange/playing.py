@@ -9,8 +9,9 @@ what was sent last may change.
 from __future__ import annotations
 
 import struct
+from contextlib import contextmanager
 from heapq import heapify, heappop, heappush
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from move_base_abstract.common.units import NS_PER_S
 from move_base_abstract.lockstep import wire
@@ -107,6 +108,16 @@ def refuse() -> None:
         raise NotPlayable()
 
 
+@contextmanager
+def _counting(impl: Any) -> Iterator[None]:
+    """Give a context in which the number of ``impl``'s last message holds: rospy's thread changes it to greet."""
+    impl.acquire()
+    try:
+        yield
+    finally:
+        impl.release()
+
+
 def note(impl: Any, pack: Pack) -> None:
     """Record the message that ``pack`` makes for rospy's publisher ``impl``.
 
@@ -123,7 +134,8 @@ def note(impl: Any, pack: Pack) -> None:
         slots, moves = None, []
     elif slots is not None and not moves:
         slots = [slot for slot in slots if slot[0] not in _MOVING]  # of a robot that stands: they stay
-    number = _recording.numbers[impl] = _recording.numbers.get(impl, impl.seq) + 1
+    with _counting(impl):
+        number = _recording.numbers[impl] = _recording.numbers.get(impl, impl.seq) + 1
     assert _recording.plays is not None
     _recording.plays.append(Play(impl, address, number, pack(number), None if slots is None else b''.join(
         [_SLOT.pack(*slot) for slot in slots]), getattr(pack, 'is_once', False), moves))
@@ -208,7 +220,8 @@ class Player:
                 count = (until_ns - one.first_ns) // one.period_ns
                 messages += count + 1
                 for play in one.plays:
-                    play.impl.seq += count + 1
+                    with _counting(play.impl):
+                        play.impl.seq += count + 1
                 last[one.series] = one.first_ns + count * one.period_ns
                 depth = max(depth, one.depth)
             else:
