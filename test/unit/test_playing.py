@@ -18,7 +18,7 @@ PLAY = struct.Struct('<BIIIBIqqI')  # up to the length of its payload
 class Publisher:
     """A publisher of rospy's that a participant hears, and the link to it.
 
-    Its number holds under its lock only: rospy's thread sends a newcomer among the onlookers a message that does not count.
+    Its number holds under its lock only: rospy's thread sends a newcomer a message that does not count.
     """
 
     closed, resolved_name = False, '/topic'
