@@ -16,6 +16,11 @@ LockstepSettings settingsOf(LockstepSettings settings) {
   return settings;
 }
 
+/** @return @p what and the bound @p seconds in words; '' if that is 0. */
+std::string upTo(const char* what, double seconds) {
+  return seconds == 0.0 ? "" : what + secondsText(toNanoseconds(seconds));
+}
+
 }  // namespace
 
 std::string chaosText(const LockstepSettings& settings) {
@@ -23,9 +28,10 @@ std::string chaosText(const LockstepSettings& settings) {
     return "";
   }
   return "chaos seed " + std::to_string(settings.chaos_seed) +
-         (settings.chaos_delay == 0.0
-              ? ""
-              : " with delays up to " + secondsText(toNanoseconds(settings.chaos_delay))) +
+         upTo(" with delays up to ", settings.chaos_delay) +
+         upTo(settings.chaos_delay == 0.0 ? " with starts up to " : " and starts up to ",
+              settings.chaos_starts) +
+         (settings.chaos_starts == 0.0 ? "" : " late") +
          (settings.chaos_only.empty() ? "" : ", some decisions only");
 }
 
@@ -117,15 +123,37 @@ void LockstepRun::beChaotic() {
   if (settings.chaos_delay != 0.0) {
     addCarrier(std::make_unique<chaos::Delays>(decisions, toNanoseconds(settings.chaos_delay)));
   }
+  if (settings.chaos_starts != 0.0) {
+    startLate();
+  }
   messages.say(LockstepMessage::Level::kInfo, "the order of equal events is that of " +
                                                   chaosText(settings) + ", not the stated one");
 }
 
+/** @brief Let nodes, and links between them, start late. */
+void LockstepRun::startLate() {
+  starts_ = std::make_unique<chaos::Starts>(decisions, toNanoseconds(settings.chaos_starts));
+  rounds.members().setLateness([this](const MemberState& member) {
+    return starts_->ofNode(rounds.now(), member.name);
+  });
+  router.setLateLinks([this](std::string_view publisher, std::string_view subscriber,
+                             std::string_view topic) {
+    const Nanoseconds late = starts_->ofLink(rounds.now(), publisher, subscriber, topic);
+    return late == 0 ? 0 : addSaturated(rounds.now(), late);
+  });
+  followArrivals();
+}
+
 void LockstepRun::addCarrier(std::unique_ptr<Carrier> carrier) {
   carriage.add(std::move(carrier));
+  followArrivals();
+}
+
+/** @brief Let time go on for what arrives by itself. */
+void LockstepRun::followArrivals() {
   router.setCarriage(carriage);
   rounds.setArrivals({[this]() {
-                        const Nanoseconds due = carriage.nextArrival();
+                        const Nanoseconds due = std::min(carriage.nextArrival(), router.nextLink());
                         return radio == nullptr ? due : std::min(due, radio->nextLook());
                       },
                       [this]() {

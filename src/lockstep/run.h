@@ -12,6 +12,7 @@
 #include "kept_messages.h"
 #include "labels.h"
 #include "lockstep/chaos/chaos.h"
+#include "lockstep/chaos/starts.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/rounds/settings.h"
 #include "lockstep/routing/router.h"
@@ -25,7 +26,10 @@
 
 namespace move_base_abstract {
 
-/** @return a text such as "chaos seed 7 with delays up to 0.05 s"; '' without chaos. */
+/**
+ * @return a text such as "chaos seed 7 with delays up to 0.05 s and starts up to 0.5 s late"; ''
+ * without chaos.
+ */
 std::string chaosText(const LockstepSettings& settings);
 
 /**
@@ -67,6 +71,10 @@ struct LockstepRun {
 
  private:
   void beChaotic();
+  void startLate();
+  void followArrivals();
+
+  std::unique_ptr<chaos::Starts> starts_;  // null: all start together
 };
 
 }  // namespace move_base_abstract

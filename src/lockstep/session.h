@@ -151,7 +151,14 @@ class LockstepSession {
     // Reports that have come count when they have been applied.
     const bool is_over = run_.rounds.started() && run_.rounds.settled() && !poll_due_ &&
                          !run_.rounds.gate().stopped();
-    return is_over ? std::make_optional(run_.router.wanted()) : std::nullopt;
+    std::optional<MessageRouter::Wanted> found;
+    if (is_over) {
+      found = run_.router.wanted();
+    }
+    if (found && run_.rounds.members().isAnyToBegin()) {
+      found->services.clear();  // a participant that starts late may offer them
+    }
+    return found;
   }
 
   /**

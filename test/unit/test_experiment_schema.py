@@ -44,6 +44,7 @@ def test_experiments_that_ship_are_valid(path):
     {**LAUNCH, 'stored_topics': ['/a', 'b=/c'], 'cores': 'one', 'sleep': 'simulated', 'replications': 2.0},
     {**COMMAND, 'lookahead': 0.05, 'cores': 'auto'}, {**FUNCTION, 'prepare': 'a:b', 'inputs': ['x'], 'args': {'n': 1}},
     {**LAUNCH, 'lookahead': 'network', 'network': 'n.yaml'}, {**LAUNCH, 'chaos_seed': 2, 'chaos_delay': 0.1},
+    {**LAUNCH, 'chaos_seed': 2, 'chaos_starts': 0.1},
     {**LAUNCH, 'lookahead': 0.1, 'network': 'n.yaml a:=1'},
     {**FUNCTION, 'participants': 'all', 'until': {}, 'record': {'files': ['*.csv'], 'messages': []}}])
 def test_what_the_code_takes_is_valid(document):
@@ -66,7 +67,8 @@ def test_what_the_code_takes_is_valid(document):
     {**LAUNCH, 'cores': 'alternate'}, {**LAUNCH, 'sleep': 'never'}, {**LAUNCH, 'crashes': 'ignore'},
     {**LAUNCH, 'lookahead': 1e-9}, {**LAUNCH, 'lookahead': False}, {**LAUNCH, 'stored_topics': ['/a b']},
     {**LAUNCH, 'lookahead': 'network'}, {**LAUNCH, 'lookahead': 'radio', 'network': 'n.yaml'},
-    {**LAUNCH, 'chaos_delay': 0.1}, {**LAUNCH, 'chaos_only': ['none']}, {**LAUNCH, 'lookahead': 1, 'chaos_seed': 2},
+    {**LAUNCH, 'chaos_delay': 0.1}, {**LAUNCH, 'chaos_starts': 0.1},
+    {**LAUNCH, 'chaos_only': ['none']}, {**LAUNCH, 'lookahead': 1, 'chaos_seed': 2},
     {**LAUNCH, 'lookahead': 0.1, 'stored_topics': ['/a']}, {**LAUNCH, 'prepare': 'a:b'}, {**LAUNCH, 'seed': -1},
     {**LAUNCH, 'time_limit': 0}, {'experiment': 'x', 'command': ['run']}, {**COMMAND, 'participants': 'all'},
     {**COMMAND, 'command': []}, {**COMMAND, 'args': {'a': 1}}, {**COMMAND, 'leave_out': ['/a']},

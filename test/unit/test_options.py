@@ -18,7 +18,8 @@ RUN = RunOptions(
     param={'/a': [1, 2.5, 'x y'], '/b/c': '', '/d': {'e': '5', 'f': False}},
     add={'/map': "map_server/map_server 'a b.yaml'"}, node_args={'/n': '--x=3 y'}, no_respawn=True, until=60.0, seed=-4,
     sleep='simulated', stored_topics=('/x=/y', '/z'), network='n.yaml loss:=1', chaos_seed=7,
-    chaos_delay=0.001, chaos_only=('0123456789ab',), cores='all', crashes='allow', properties=('all', 'no_crash'))
+    chaos_delay=0.001, chaos_starts=0.25, chaos_only=('0123456789ab',), cores='all', crashes='allow',
+    properties=('all', 'no_crash'))
 
 
 def parser(**others):
@@ -28,7 +29,8 @@ def parser(**others):
 
 
 def test_each_option_of_a_run_can_be_typed_and_is_read_as_it_was():
-    windows = dataclasses.replace(RUN, chaos_seed=0, chaos_delay=0.0, chaos_only=(), stored_topics=(), lookahead=0.25)
+    windows = dataclasses.replace(RUN, chaos_seed=0, chaos_delay=0.0, chaos_starts=0.0, chaos_only=(),
+                                  stored_topics=(), lookahead=0.25)
     assert all(getattr(RUN, one.field) != one.initial or getattr(windows, one.field) != one.initial
                for one in options.options_of(RunOptions).values())
     for one in (RUN, windows):
@@ -96,7 +98,8 @@ def test_what_cannot_be_used_here_is_refused_with_the_reason(words, says, capsys
     assert says in capsys.readouterr().err
 
 
-TOGETHER = [({'chaos_delay': 0.1}, "need a 'chaos_seed'"), ({'chaos_only': ['none']}, "need a 'chaos_seed'"),
+TOGETHER = [({'chaos_delay': 0.1}, "need a 'chaos_seed'"), ({'chaos_starts': 0.1}, "need a 'chaos_seed'"),
+            ({'chaos_only': ['none']}, "need a 'chaos_seed'"),
             ({'lookahead': 0.1, 'chaos_seed': 1}, 'no events are equal'),
             ({'lookahead': 0.1, 'stored_topics': ['/a']}, 'all takes time'),
             ({'lookahead': 'network'}, "without a 'network'")]

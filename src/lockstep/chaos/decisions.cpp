@@ -44,9 +44,9 @@ std::string nameOf(std::uint64_t number) {
   return text;
 }
 
-std::uint64_t Decisions::draw(std::uint64_t link, std::uint64_t most) {
+std::uint64_t Decisions::draw(std::uint64_t link, std::uint64_t most, std::uint64_t share) {
   const std::uint64_t choice = mixed({link, counts_[link]++});
-  const std::uint64_t share = std::uint64_t{2} << (mixed(seed_) % kShares);
+  share = share != 0 ? share : std::uint64_t{2} << (mixed(seed_) % kShares);
   const std::uint64_t drawn = mixed({seed_, choice});
   latest_ = choice & kNames;
   if (most == 0 || drawn % share != 0 || (only_ && only_->count(latest_) == 0)) {

@@ -18,7 +18,7 @@ namespace move_base_abstract::chaos {
 struct Decision {
   std::string name;  // 12 hexadecimal digits
   Nanoseconds time;  // simulated
-  std::string what;  // "order", "turns" or "delay"
+  std::string what;  // "order", "turns", "delay", "start" or "link"
   std::string says;  // in words
 };
 
@@ -54,9 +54,9 @@ class Decisions {
 
   /**
    * @return a number from 1 to @p most if this choice about @p link departs from the stated order,
-   * otherwise 0. One of 2, 4, 8 or 16 choices does, as the seed says.
+   * otherwise 0. One of @p share choices does; 0: of 2, 4, 8 or 16, as the seed says.
    */
-  std::uint64_t draw(std::uint64_t link, std::uint64_t most);
+  std::uint64_t draw(std::uint64_t link, std::uint64_t most, std::uint64_t share = 0);
   /** @brief Keep the decision of the latest draw(), which was applied. */
   void note(Nanoseconds time, const char* what, const Said& says);
 

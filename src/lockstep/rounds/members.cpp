@@ -52,6 +52,26 @@ std::vector<std::string> RoundMembers::missing(const std::vector<std::string>& n
 
 // ---- when members are granted ----------------------------------------------------------------
 
+std::vector<MemberId> RoundMembers::begin(Nanoseconds now) {
+  std::vector<MemberId> ids;
+  for (auto& [id, member] : members_) {
+    const Nanoseconds late = lateness_ ? lateness_(member) : 0;
+    if (late > 0) {
+      setNext(id, member, addSaturated(now, late));  // its first grant
+    } else {
+      member.ready = true;
+      ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
+bool RoundMembers::isAnyToBegin() const {
+  return std::any_of(members_.begin(), members_.end(), [](const auto& entry) {
+    return entry.second.present && entry.second.round == 0;
+  });
+}
+
 void RoundMembers::setNext(MemberId id, MemberState& member, Nanoseconds next) {
   if (member.next != kNever) {
     due_.erase({member.next, id});

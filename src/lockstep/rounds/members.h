@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -110,6 +111,14 @@ class RoundMembers {
   std::vector<std::string> missing(const std::vector<std::string>& names) const;
 
   // ---- when members are granted ----
+  /** @brief Let members begin later than time: @p lateness gives by how much [ns, simulated]. */
+  void setLateness(std::function<Nanoseconds(const MemberState& member)> lateness) {
+    lateness_ = std::move(lateness);
+  }
+  /** @brief Begin at @p now, the start of time. @return the members that are ready. */
+  std::vector<MemberId> begin(Nanoseconds now);
+  /** @return whether a member has not begun yet. */
+  bool isAnyToBegin() const;
   void setNext(MemberId id, MemberState& member, Nanoseconds next);
   /** @return the members that have a wake-up, the earliest first. */
   const std::set<std::pair<Nanoseconds, MemberId>>& due() const { return due_; }
@@ -174,6 +183,7 @@ class RoundMembers {
 
  private:
   Map members_;
+  std::function<Nanoseconds(const MemberState& member)> lateness_;  // null: none is late
   NamePlaces places_;
   std::set<std::pair<Nanoseconds, MemberId>> due_;
   std::vector<MemberId> ready_;

@@ -105,12 +105,11 @@ std::vector<LockstepRounds::Grant> LockstepRounds::start(Nanoseconds wall) {
   started_ = true;
   gate_.leapt(wall);
   events_.push_back({Event::Kind::kStarted});
-  std::vector<MemberId> ids;
-  for (const auto& [id, member] : members_.all()) {
-    ids.push_back(id);
-    members_.at(id).ready = true;
+  std::vector<MemberId> ids = members_.begin(clock_.time);
+  if (windows_.areThere()) {
+    return grantWindow(clock_.time, wall);
   }
-  return windows_.areThere() ? grantWindow(clock_.time, wall) : grant(std::move(ids), wall);
+  return ids.empty() ? leap(wall) : grant(std::move(ids), wall);
 }
 
 std::vector<LockstepRounds::Grant> LockstepRounds::nextMicrostep(Nanoseconds wall) {

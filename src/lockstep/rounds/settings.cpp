@@ -27,8 +27,11 @@ LockstepSettings checkedSettings(LockstepSettings settings) {
     refuse("chaos_seed must be 0 with a lookahead, where nothing is equal until it arrives; got " +
            std::to_string(settings.chaos_seed));
   }
-  if (settings.chaos_seed == 0 && (settings.chaos_delay != 0.0 || !settings.chaos_only.empty())) {
-    refuse("chaos_delay and chaos_only must not be given without a chaos_seed other than 0");
+  if (settings.chaos_seed == 0 && (settings.chaos_delay != 0.0 || settings.chaos_starts != 0.0 ||
+                                   !settings.chaos_only.empty())) {
+    refuse(
+        "chaos_delay, chaos_starts and chaos_only must not be given without a chaos_seed other "
+        "than 0");
   }
   return settings;
 }

@@ -147,7 +147,8 @@ void MessageRouter::stopAdvertising(const Action& by, LocalTopic& local) {
     return;
   }
   for (const Subscribed& subscriber : topic.subscribers) {
-    if (fit(publisher->md5, subscriber.md5)) {
+    if (fit(publisher->md5, subscriber.md5) &&
+        !late_links_.forget(linkOf(topic, by.sender, subscriber.member))) {
       closings_.push_back({true, subscriber.member, subscriber.topic, local.topic, by.sender,
                            place_(by.sender, router::kLastSub, by.number)});
     }
@@ -187,7 +188,8 @@ void MessageRouter::stopSubscribing(const Action& by, LocalTopic& local) {
     return;
   }
   for (const Advertised& publisher : topic.publishers) {
-    if (fit(publisher.md5, subscriber->md5)) {
+    if (fit(publisher.md5, subscriber->md5) &&
+        !late_links_.forget(linkOf(topic, publisher.member, by.sender))) {
       closings_.push_back({false, publisher.member, publisher.topic, local.topic, by.sender,
                            place_(by.sender, router::kLastSub, by.number)});
     }
@@ -206,6 +208,14 @@ void MessageRouter::link(const Action& by, const Topic& topic, const Advertised&
                         std::string(subscriber.md5) + "): their types differ");
     return;
   }
+  if (!isLate(by, topic, linkOf(topic, publisher.member, subscriber.member))) {
+    open(by, publisher, subscriber);
+  }
+}
+
+/** @brief Tell both ends of a link that it is up. */
+void MessageRouter::open(const Action& by, const Advertised& publisher,
+                         const Subscribed& subscriber) {
   const MailOrder order = place_(by.sender, router::kFirstSub, by.number);
   post_(subscriber.member,
         {order, wire::Publisher{subscriber.topic, publisher.member, publisher.type, publisher.md5,
@@ -231,7 +241,8 @@ void MessageRouter::act(const Action& by, const wire::ChooseDelivery& item) {
     return;
   }
   for (const Advertised& publisher : topic.publishers) {
-    if (fit(publisher.md5, subscriber->md5)) {
+    if (fit(publisher.md5, subscriber->md5) &&
+        !late_links_.has(linkOf(topic, publisher.member, by.sender))) {
       tellHearing(by, publisher, *subscriber);
     }
   }
@@ -247,7 +258,8 @@ void MessageRouter::tellHearing(const Action& by, const Advertised& publisher,
 bool MessageRouter::linked(const Topic& topic, MemberId publisher, MemberId subscriber) const {
   const auto from = router::findMember(topic.publishers, publisher);
   const auto to = router::findMember(topic.subscribers, subscriber);
-  return from != topic.publishers.end() && to != topic.subscribers.end() && fit(from->md5, to->md5);
+  return from != topic.publishers.end() && to != topic.subscribers.end() &&
+         fit(from->md5, to->md5) && !late_links_.has(linkOf(topic, publisher, subscriber));
 }
 
 void MessageRouter::finishRound() {
@@ -281,7 +293,8 @@ void MessageRouter::act(const Action& by, const wire::Send& item) {
   bool is_received = false;
   for (const Subscribed& subscriber : topic.subscribers) {
     if ((item.target != 0 && item.target != subscriber.member) ||
-        subscriber.delivery == wire::Delivery::kNothing || !fit(local.md5, subscriber.md5)) {
+        subscriber.delivery == wire::Delivery::kNothing || !fit(local.md5, subscriber.md5) ||
+        late_links_.has(linkOf(topic, by.sender, subscriber.member))) {
       continue;
     }
     const wire::Deliver deliver{subscriber.topic, by.sender, item.payload};

@@ -17,6 +17,7 @@
 #include "carrier.h"
 #include "goals.h"
 #include "held_mail.h"
+#include "late_links.h"
 #include "lockstep/rounds/rounds.h"
 #include "lockstep/wire/wire.h"
 #include "stored_topics.h"
@@ -91,7 +92,11 @@ class MessageRouter {
    * is lost.
    */
   void decide(std::uint64_t ticket, const Carried& carried);
-  /** @brief Post the mail under way that arrives now. */
+  /** @brief Let links be up later than they are made. Call setCarriage(), too. */
+  void setLateLinks(LateLinks::Due due) { late_links_.setDue(std::move(due)); }
+  /** @return the instant at which to call arrive() for a link, or kNever. */
+  Nanoseconds nextLink() const { return late_links_.nextDue(); }
+  /** @brief Post the mail under way that arrives now, and the news of links that are up now. */
   void arrive();
   /** @brief Lose the mail under way, since the run ends. */
   void loseCarried();
@@ -227,6 +232,11 @@ class MessageRouter {
   Participant& participant(MemberId id) { return participants_.at(id); }
   void link(const Action& by, const Topic& topic, const Advertised& publisher,
             const Subscribed& subscriber);
+  bool isLate(const Action& by, const Topic& topic, const Link& link);
+  void open(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
+  Link linkOf(const Topic& topic, MemberId publisher, MemberId subscriber) const {
+    return {static_cast<Index>(&topic - topics_.data()), publisher, subscriber};
+  }
   void tellHearing(const Action& by, const Advertised& publisher, const Subscribed& subscriber);
   void noteGoal(MemberId sender, const Topic& topic, std::string_view payload, bool is_received,
                 const std::vector<MemberId>& later);
@@ -264,6 +274,7 @@ class MessageRouter {
   StoredTopics stored_;
   bool is_lost_ = false;                      // whether the latest passage was lost
   Carriage* carriage_ = nullptr;              // null: everything arrives at once
+  LateLinks late_links_;
   std::set<std::string, std::less<>> texts_;  // names, types and definitions; never freed
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
   std::map<MemberId, Participant> participants_;

@@ -171,9 +171,26 @@ void MessageRouter::decide(std::uint64_t ticket, const Carried& carried) {
 // ---- arriving --------------------------------------------------------------------------------
 
 void MessageRouter::arrive() {
+  while (late_links_.nextDue() != kNever && !carriage_->isLater(late_links_.nextDue())) {
+    const LateLink late = late_links_.take();
+    const Topic& topic = topics_[late.link.topic];
+    open({late.sender, late.number}, *router::findMember(topic.publishers, late.link.publisher),
+         *router::findMember(topic.subscribers, late.link.subscriber));
+  }
   for (const Held& held : carriage_->arrive()) {
     arriveOne(held);
   }
+}
+
+/** @return whether a link that is made now is up later. Then it is noted. */
+bool MessageRouter::isLate(const Action& by, const Topic& topic, const Link& link) {
+  const Nanoseconds due = late_links_.dueOf(participant(link.publisher).name,
+                                            participant(link.subscriber).name, topic.name);
+  if (due == 0) {
+    return false;
+  }
+  late_links_.add(due, {link, by.sender, by.number});
+  return true;
 }
 
 /**

@@ -186,6 +186,10 @@ class RunOptions:
     chaos_delay: float = option(
         number(1e-9, 1000, or_zero=True, unit='s, simulated'), 0, 'with a `chaos_seed`, messages take up to '
         'this time [s, simulated]; 0: no time', systems=OF_NODES, in_digest=True, parameter='chaos_delay', metavar='S')
+    chaos_starts: float = option(
+        number(1e-8, 1000, or_zero=True, unit='s, simulated'), 0, 'with a `chaos_seed`, nodes start up to this time '
+        '[s, simulated] late, and their connections are up to a tenth of it late; 0: all start together',
+        systems=OF_NODES, in_digest=True, parameter='chaos_starts', metavar='S')
     chaos_only: Tuple[str, ...] = option(
         list_of(pattern('[0-9a-f]{12}|none', 'names of decisions, 12 hexadecimal digits each, or none')), [],
         'the decisions of `chaos_seed` that apply, by the names that `chaos` prints; `none`: none, `[]`: all',
@@ -203,8 +207,8 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         """Check what depends on several options. :raises ConfigurationError: naming them, and what is allowed."""
-        if not self.chaos_seed and (self.chaos_delay or self.chaos_only):
-            raise ConfigurationError("'chaos_delay' and 'chaos_only' need a 'chaos_seed' of 1 or more")
+        if not self.chaos_seed and (self.chaos_delay or self.chaos_starts or self.chaos_only):
+            raise ConfigurationError("'chaos_delay', 'chaos_starts' and 'chaos_only' need a 'chaos_seed' of 1 or more")
         if self.lookahead and self.chaos_seed:
             raise ConfigurationError("'chaos_seed' must be 0 with a 'lookahead', because then no events are equal")
         if self.lookahead and self.stored_topics:

@@ -86,7 +86,8 @@ def schema() -> Dict[str, Any]:
                'then': {'properties': {'stored_topics': {'maxItems': 0}, 'chaos_seed': {'maximum': 0}}}}
     by_network = {'if': {'properties': {'lookahead': {'enum': ['network']}}, 'required': ['lookahead']},
                   'then': {'required': ['network']}}
-    decides = {'if': {'anyOf': [{'properties': {'chaos_delay': {'exclusiveMinimum': 0}}, 'required': ['chaos_delay']},
+    decides = {'if': {'anyOf': [*({'properties': {key: {'exclusiveMinimum': 0}}, 'required': [key]}
+                                  for key in ('chaos_delay', 'chaos_starts')),
                                 {'properties': {'chaos_only': {'minItems': 1}}, 'required': ['chaos_only']}]},
                'then': {'properties': {'chaos_seed': {'minimum': 1}}, 'required': ['chaos_seed']}}
     return {'$schema': 'http://json-schema.org/draft-07/schema#', 'title': 'an experiment of move_base_abstract',

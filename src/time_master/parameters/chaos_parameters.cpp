@@ -13,6 +13,7 @@ std::string chaosHead(const LockstepSettings& settings) {
   }
   return "\"chaos\":{\"seed\":" + std::to_string(settings.chaos_seed) +
          ",\"delay\":" + numberText(settings.chaos_delay) +
+         (settings.chaos_starts == 0.0 ? "" : ",\"starts\":" + numberText(settings.chaos_starts)) +
          (settings.chaos_only.empty() ? "" : ",\"some\":true") + "}";
 }
 

@@ -27,6 +27,7 @@ void readChaos(Reader& reader, bool in_lockstep, LockstepSettings& lockstep,
   }
   lockstep.chaos_seed = static_cast<std::uint32_t>(seed);
   reader.read("chaos_delay", lockstep.chaos_delay);
+  reader.read("chaos_starts", lockstep.chaos_starts);
   std::vector<std::string> only;
   reader.read("chaos_only", only);
   for (const std::string& name : only) {

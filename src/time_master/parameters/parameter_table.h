@@ -60,6 +60,8 @@ constexpr ParameterRow kParameterTable[] = {
      "Seed of another legal order of equal events; 0 is the stated order."},
     {"chaos_delay", "number", "s, simulated", "0", "0 to 1000",
      "With a `chaos_seed`, messages take up to this time."},
+    {"chaos_starts", "number", "s, simulated", "0", "0 to 1000",
+     "With a `chaos_seed`, nodes start up to this time late, and connections up to a tenth of it."},
     {"chaos_only", "list of texts", "", "[]", "list of texts: 12 hexadecimal digits each, or none",
      "Names of the decisions that are applied, 12 hexadecimal digits each, or `none`; empty: all."},
     {"chaos_decisions", "text", "", "", "path of a new file",
