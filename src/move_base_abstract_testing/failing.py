@@ -130,7 +130,7 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
     text = broken[0].words() if broken else _first_line(bad)
     replay_file.write(os.environ.get(replay_file.VARIABLE) or os.path.join(system.folder, REPLAY), replay_file.Replay(
         [], options.chaos_seed, options.chaos_delay, [], broken[0].property if broken else 'test', text,
-        happened=said, sha256=digest(log)[1], test=[_start_of(item), '{}::{}'.format(
+        happened=said, sha256=digest(log)[1], starts=options.chaos_starts, test=[_start_of(item), '{}::{}'.format(
             str(item.fspath), item.nodeid.partition('::')[2])]))
 
 

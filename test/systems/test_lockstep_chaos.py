@@ -1,8 +1,10 @@
 """Chaos with a coordinator that works only in the stated order, in Python and C++: found, shrunk, replayed exactly."""
 import json
+import os
 import unittest
 
 from own_folder import OwnPackage
+from own_nodes import NODES
 
 FILES = {'worker.py': """#!/usr/bin/env python3
 import rospy
@@ -79,6 +81,7 @@ ROBOT = """<launch>
 LAPSES = ROBOT.replace('abort: 0.2, stop: 0.5', 'jump: 0.4, mute: 1.0').replace('</launch>', """
 <node pkg="study_of_others" type="watch.py" name="watch"/>
 </launch>""")
+COORDINATORS = os.path.join(NODES, 'coordinators', 'coordinators.launch')
 SAID = "/worker_2's message on /worker_2/done reached /coordinator before /worker_1's message on /worker_1/done, at "
 
 
@@ -103,6 +106,46 @@ class ChaosTest(OwnPackage, unittest.TestCase):
             self.assertIn('the same bytes as before', said)
         code, said = self.run_it('verify', '--runs', '2', '--chaos', 'found.json')
         self.assertIn('identical: 2 runs', said)
+
+    def test_a_late_start_is_found_and_counted_before_and_after_a_repair(self):
+        words = ('--count', '--seeds', '1:20', '--starts', '0.5', '--workers', '1', COORDINATORS,
+                 'coordinator:=early_call')
+        code, said = self.run_it('chaos', *words)
+        self.assertEqual(code, 1, said)
+        with open(self.path('chaos.json')) as stream:
+            found = json.load(stream)
+        failed = found['count']['failed']
+        self.assertIn(' of 20 seeds fail', said)
+        self.assertEqual({*failed.values()}, {'crash /coordinator'}, said)
+        self.assertLess(len(failed), 20)
+        self.assertEqual(len(found['only']), 1, said)
+        self.assertRegex(found['happened'][0], r'^/store took 0\.\d+ s longer to start, at 1 s$')
+        code, said = self.run_it('chaos', '--replay', 'chaos.json')
+        self.assertEqual(code, 1, said)
+        self.assertIn('the same bytes as before', said)
+        code, said = self.run_it('verify', '--runs', '2', '--chaos', 'chaos.json')
+        self.assertIn('identical: 2 runs', said)
+        code, said = self.run_it('chaos', '--count', '--workers', '1', '--replay', 'chaos.json')
+        self.assertEqual(code, 1, said)
+        lines = said.splitlines()
+        self.assertEqual(lines[-2].replace('before:', 'now:   '), lines[-1], said)  # the same seeds
+        self.assertIn(f': now:    {len(failed)} of 20 seeds fail', lines[-1])
+        self.write('repaired.json', json.dumps({**found, 'launch': [*found['launch'], 'correct:=true']}))
+        code, said = self.run_it('chaos', '--count', '--workers', '1', '--replay', 'repaired.json')
+        self.assertEqual(code, 3, said)
+        self.assertIn('chaos: now:    0 of 20 seeds fail\n', said)
+
+    def test_the_last_line_says_what_was_varied_and_what_was_looked_for_exists(self):
+        path = self.write('system.launch', SYSTEM.format('study_of_others', 'worker.py'))
+        for words, varied in ((('--seeds', '1:2'), '; those with an even number also delays up to 0.05 s and starts up '
+                               'to 0.5 s late'), (('--seeds', '1', '--delay', '0'), '')):
+            code, said = self.run_it('chaos', *words, '--workers', '1', '--until', '3', path)
+            self.assertEqual(code, 0, said)
+            self.assertEqual(said.splitlines()[-1], 'chaos: the seeds varied the order of equal events' + varied)
+        code, said = self.run_it('chaos', '--seeds', '1', '--properties', 'one owner', '--until', '3', path)
+        self.assertEqual(code, 2, said)
+        self.assertIn("'one owner': no failure has this name, and no node stated this text in the 2 runs; stated were: "
+                      'none', said)
 
     def test_what_a_robot_does_on_purpose_is_found_and_is_a_decision(self):
         path = self.write('robot.launch', ROBOT)
@@ -135,7 +178,8 @@ class ChaosTest(OwnPackage, unittest.TestCase):
         path = self.write('system.launch', SYSTEM.format('study_of_others', 'coordinator.py'))
         logs = []
         for name, words in (('a', ()), ('b', ('--chaos-seed', '0')),
-                            ('c', ('--chaos-seed', '7', '--chaos-delay', '0.5', '--chaos-only', 'none'))):
+                            ('c', ('--chaos-seed', '7', '--chaos-delay', '0.5', '--chaos-starts', '2', '--chaos-only',
+                                   'none'))):
             log = self.path(name + '.jsonl')
             code, said = self.run_it('lockstep_launch', '--end-when-idle', '--event-log', log, '--log-messages', *words,
                                      path)
@@ -144,4 +188,4 @@ class ChaosTest(OwnPackage, unittest.TestCase):
                 logs.append(stream.readlines())
         self.assertEqual(logs[0], logs[1])
         self.assertEqual(logs[0][1:], logs[2][1:])
-        self.assertEqual(json.loads(logs[2][0])['chaos'], {'seed': 7, 'delay': 0.5, 'some': True})
+        self.assertEqual(json.loads(logs[2][0])['chaos'], {'seed': 7, 'delay': 0.5, 'starts': 2, 'some': True})

@@ -7,8 +7,9 @@ import pytest
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.common.options import words_of
 from move_base_abstract.lockstep import replay_file
-from move_base_abstract.properties import Gathering
-from move_base_abstract_experiments.chaos import command, failures, runs
+from move_base_abstract_experiments.chaos import command, counting, failures, runs
+from move_base_abstract_experiments.chaos.counting import Count
+from move_base_abstract_experiments.chaos.variation import Bounds, Variation
 from move_base_abstract_experiments.records import COMPLETE, Result
 
 NAMES = [f'{number:012x}' for number in range(40)]
@@ -106,18 +107,85 @@ def test_seeds_that_are_none_are_refused(text, says):
     assert (command._seeds('3'), command._seeds('2:4')) == ((3, 3), (2, 4))
 
 
-def test_a_search_gathers_what_runs_have_stated_up_to_the_first_that_fails():
-    def told(seed, outcome, failure=None):
-        judged = failures.evidence_of(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
-            'sometimes', 'it waits', outcome]})).judged
-        return runs.RunResult(runs.RunRequest(seed), failure, [], '', judged=judged)
-    failed = told(2, 'held', failures.Failure('crash /a', 'why'))
-    gathered = Gathering()
-    unjudged = runs.RunResult(runs.RunRequest(1), None, [], '')
-    assert command._first_failing(iter([told(0, 'stated'), unjudged, failed, told(
-        3, 'held')]), gathered) is failed
-    assert gathered.sometimes == {('/a', 'it waits'): (2, 1)}
-    assert command._first_failing(iter([told(0, 'stated')]), Gathering()) is None
+class Told:
+    """Runs with the results of a test; ``count``: how many were asked for."""
+
+    def __init__(self, fail):
+        self.fail = fail  # {seed: the name of its failure}
+        self.count = 0
+
+    def each(self, asked):
+        for one in asked:
+            self.count += 1
+            judged = failures.evidence_of(complete(), log({'time_ns': 1, 'robot': '/a', 'kind': 'property', 'values': [
+                'sometimes', 'it waits', 'held' if one.seed == 2 else 'stated']})).judged
+            name = self.fail.get(one.seed)
+            yield runs.RunResult(one, name and failures.Failure(name, 'why'), [], '', judged=None if one.seed == 1
+                                 else judged)
+
+
+def test_a_search_ends_with_the_first_seed_that_fails_and_a_count_with_the_last(capsys):
+    told, count = Told({2: 'crash /a', 4: 'crash /a', 5: 'deadlock'}), Count((1, 5), None, None, [])
+    assert command._tried(told, count, False).chosen.seed == 2
+    assert (told.count, count.failed) == (3, {2: 'crash /a'})
+    said = capsys.readouterr().out
+    assert 'sometimes: /a: it waits: came true in 1 of the 2 runs that say it' in said
+    told, count = Told(told.fail), Count((1, 5), None, None, [])
+    assert command._tried(told, count, True).chosen.seed == 2
+    assert (told.count, count.failed) == (6, {2: 'crash /a', 4: 'crash /a', 5: 'deadlock'})
+    assert count.said() == '3 of 5 seeds fail: crash /a (2, 4), deadlock (5)'
+    assert command._tried(Told({}), Count((1, 5), None, None, []), True) is None
+    assert command._tried(Told({0: 'deadlock'}), Count((1, 5), None, None, []), False).chosen.seed == 0
+
+
+def test_a_text_that_no_run_has_stated_was_not_looked_for():
+    def tried(*wanted):
+        return command._tried(Told({}), Count((1, 5), None, None, [*wanted]), False)
+    assert tried('crash /a', 'deadlock', 'it waits', 'it') is None
+    with pytest.raises(ConfigurationError, match="'it wait': no failure has this name, and no node stated this text in "
+                       "the 6 runs; stated were: 'it waits'"):
+        tried('deadlock', 'it wait')
+
+
+def test_a_count_is_compared_with_that_before_a_repair():
+    before = Count((1, 100), 0.05, None, [], dict.fromkeys(range(1, 13), 'crash /a'))
+    now = Count((1, 100), 0.05, None, [], {7: 'crash /a', 99: 'deadlock'})
+    assert now.compared(before) == [
+        'before: 12 of 100 seeds fail: crash /a (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, ...)',
+        'now:    2 of 100 seeds fail: crash /a (7), deadlock (99)', 'these fail now, and did not before: 99']
+    assert Count((3, 3), None, None, []).compared(now)[1:] == ['now:    0 of 1 seed fail']
+    assert Count((3, 4), None, None, [], {4: 'deadlock'}).said() == '1 of 2 seeds fails: deadlock (4)'
+
+
+def test_a_count_is_read_as_it_was_written(tmp_path):
+    path = str(tmp_path / 'chaos.json')
+    for count in (Count((1, 9), None, 0.3, ['deadlock'], {4: 'deadlock'}), Count((2, 2), 0.0, None, [])):
+        replay_file.write(path, made(count=vars(count)))
+        assert counting.of_file(path, replay_file.read(path).count) == count
+    for told, says in (({}, 'has no count of seeds'), ({'seeds': [1]}, 'count must be as'),
+                       ({**vars(count), 'failed': [3]}, 'count must be as'),
+                       ({**vars(count), 'delay': 'x'}, 'count must be as')):
+        with pytest.raises(ConfigurationError, match=says):
+            counting.of_file(path, told)
+
+
+def test_what_a_seed_varies_does_not_depend_on_the_range():
+    assert [Variation().of(seed) for seed in range(4)] == [(0, 0), (0, 0), (0.05, 0.5), (0, 0)]
+    assert [Variation(has_network=True).of(seed) for seed in (1, 2)] == [(0, 0), (0, 0.5)]
+    assert [Variation(0.0).of(seed) for seed in range(4)] == [Bounds()] * 4
+    assert [Variation(0.2).of(seed) for seed in range(3)] == [Bounds(), Bounds(0.2), Bounds(0.2)]
+    assert [Variation(starts=0.2).of(seed) for seed in range(3)] == [Bounds(), Bounds(0, 0.2), Bounds(0, 0.2)]
+    assert Variation(0.2, 0.3).of(1) == Variation(0.2, 0.3).of(2) == (0.2, 0.3)
+
+
+@pytest.mark.parametrize(('given', 'seeds', 'says'), [
+    ({}, (1, 100), '; those with an even number also delays up to 0.05 s and starts up to 0.5 s late'),
+    ({}, (4, 5), '; those with an even number also delays up to 0.05 s and starts up to 0.5 s late'),
+    ({}, (3, 3), ''), ({}, (4, 4), ', delays up to 0.05 s and starts up to 0.5 s late'), ({'delay': 0.0}, (1, 9), ''),
+    ({'delay': 0.2}, (1, 9), ', delays up to 0.2 s'), ({'starts': 1.0}, (2, 2), ', starts up to 1 s late'),
+    ({'has_network': True}, (1, 9), '; those with an even number also starts up to 0.5 s late')])
+def test_what_was_varied_is_said(given, seeds, says):
+    assert Variation(**given).said(seeds) == 'the order of equal events' + says
 
 
 def made(**others):
@@ -129,6 +197,7 @@ def made(**others):
 def test_a_replay_is_read_as_it_was_written(tmp_path):
     path = str(tmp_path / 'chaos.json')
     for one in (made(), made(launch=[], only=[], test=['/a', '/a/b.py::c[chaos_7]']),
+                made(starts=0.5, delay=0.0),
                 made(only=[], document={'until': 30.0, 'leave_out': ['/b'], 'sleep': 'simulated', 'seed': 4})):
         replay_file.write(path, one)  # in the place of the one before
         assert replay_file.read(path) == one
@@ -139,18 +208,26 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
         '--participant', '/a', '--onlooker', '/b', '--leave-out', '/c', '--replace', 'p/a=p/b', '--seed', '3',
         '--crashes', 'allow']
     assert made(only=[]).run.chaos_only == ('none',)
+    assert words_of(made(starts=0.5).run)[4:6] == ['--chaos-starts', '0.5']
 
 
-def test_a_replay_of_an_earlier_release_ends_where_it_ended(tmp_path):
+@pytest.mark.parametrize(('number', 'until'), [(1, 31.0), (2, 30.0)])
+def test_a_replay_of_an_earlier_release_ends_where_it_ended_and_starts_all_together(tmp_path, number, until):
     path = tmp_path / 'chaos.json'
-    path.write_text(json.dumps({'chaos': 1, **vars(made(document={'until': 30.0}))}))
-    assert replay_file.read(str(path)).run.until == 31.0
+    of_then = {key: value for key, value in vars(made(document={'until': 30.0})).items() if key not in (
+        'test', 'starts', 'count')}
+    path.write_text(json.dumps({'chaos': number, **of_then}))
+    read = replay_file.read(str(path))
+    assert (read.run.until, read.run.chaos_starts, read.count, read.test) == (until, 0.0, {}, [])
 
 
 @pytest.mark.parametrize(('change', 'says'), [
-    ({'chaos': 3}, 'format 2'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
+    ({'chaos': 4}, 'format 3'), ({'seed': '7'}, 'seed must be'), ({'only': ['x']}, 'names of decisions'),
     ({'launch': []}, 'launch must name'), ({'happened': [1]}, 'list of texts'),
-    ({'test': ['/a']}, 'test must be a folder and'), ({'test': 'a'}, 'test must be a list of texts'),
+    ({'test': ['/a']}, 'test must be a folder and'),
+    ({'test': 'a'}, 'test must be as `chaos` writes it'),
+    ({'test': [1, 2]}, 'test must be a list of texts'),
+    ({'starts': '1'}, 'starts must be'), ({'count': []}, 'count must be'),
     ({'document': {'param': 3}}, 'param: got 3')])
 def test_a_file_that_is_none_is_refused(tmp_path, change, says):
     path = tmp_path / 'chaos.json'

@@ -13,10 +13,11 @@ from ..common.own_files import check_file, whole_file
 from ..common.shown import shown
 from .run_options import ALLOW, RunOptions
 
-FORMAT = 2
+FORMAT = 3
 #: the environment variable with the path of this file for a test that is run again
 VARIABLE = 'MOVE_BASE_ABSTRACT_REPLAY'
 _DURATIONS = 1  # the format in which `until` is a time from the start, at 1 s
+_WITHOUT_STARTS = 2
 _NAME = re.compile('[0-9a-f]{12}')
 
 
@@ -34,6 +35,8 @@ class Replay:
     happened: List[str] = field(default_factory=list)  # the decisions in words
     sha256: str = ''  # the digest of the event log
     test: List[str] = field(default_factory=list)  # the folder in which pytest was started, and the test's id
+    starts: float = 0.0  # the largest lateness of a node's start [s, simulated]
+    count: Dict[str, Any] = field(default_factory=dict)  # the fields of a Count of chaos; {}: no seeds were counted
 
     @property
     def run(self) -> RunOptions:
@@ -41,7 +44,8 @@ class Replay:
 
         :raises ConfigurationError: if they are not valid.
         """
-        chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_only': self.only or ['none']}
+        chaos = {'chaos_seed': self.seed, 'chaos_delay': self.delay, 'chaos_starts': self.starts,
+                 'chaos_only': self.only or ['none']}
         return options.read(RunOptions, '', {**self.document, 'crashes': ALLOW, 'properties': [],
                                              **(chaos if self.seed else {})})
 
@@ -68,24 +72,25 @@ def read(path: str) -> Replay:
         content = load_json_mapping(path)
     except FileNotFoundError:
         raise ConfigurationError(f'{path}: is not there') from None
-    if content.get('chaos') not in (FORMAT, _DURATIONS):
+    if content.get('chaos') not in (FORMAT, _WITHOUT_STARTS, _DURATIONS):
         raise ConfigurationError(f"{path}: is not a file of chaos of format {FORMAT}; got "
                                  f"{shown(content.get('chaos'))}")
+    content = {'test': [], 'starts': 0.0, 'count': {}, **content}  # files of earlier releases have none
     fields: Dict[str, Any] = {
         'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
-        'document': dict, 'happened': list, 'sha256': str}
+        'document': dict, 'happened': list, 'sha256': str, 'test': list, 'starts': (int, float), 'count': dict}
     for key, kind in fields.items():
         if not isinstance(content.get(key), kind) or isinstance(content[key], bool):
             raise ConfigurationError(f'{path}: {key} must be as `chaos` writes it; got {shown(content.get(key))}')
-    test = content.get('test', [])  # files of earlier releases have none
-    for key, value in (*((key, content[key]) for key in ('launch', 'only', 'happened')), ('test', test)):
-        if not (isinstance(value, list) and all(isinstance(one, str) for one in value)):
-            raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(value)}')
+    for key in ('launch', 'only', 'happened', 'test'):
+        if not all(isinstance(one, str) for one in content[key]):
+            raise ConfigurationError(f'{path}: {key} must be a list of texts; got {shown(content[key])}')
+    test = content['test']
     if test and len(test) != 2:
         raise ConfigurationError(f'{path}: test must be a folder and the id of a test; got {shown(test)}')
     if not (content['launch'] or test) or not all(map(_NAME.fullmatch, content['only'])):
         raise ConfigurationError(f'{path}: launch must name a file, and only must be names of decisions')
-    found = Replay(**{key: content[key] for key in fields}, test=test)
+    found = Replay(**{key: content[key] for key in fields})
     if content['chaos'] == _DURATIONS and 'until' in found.document:
         found.document['until'] += 1.0
     assert found.run  # checks the options

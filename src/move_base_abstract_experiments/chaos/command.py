@@ -6,8 +6,8 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
-from typing import Iterable, List, Optional, Sequence, Tuple
+from dataclasses import dataclass, replace
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from move_base_abstract.common import temporary
 from move_base_abstract.common.errors import ConfigurationError
@@ -21,18 +21,24 @@ from move_base_abstract.properties import Gathering
 from move_base_abstract.runs.built_in import ALL, BUILT_IN
 
 from .. import ending
-from . import failures
+from . import counting, failures
+from .counting import Count
 from .runs import RunRequest, RunResult, Runs, document_of
+from .variation import DELAY_S, STARTS_S, Variation
 
 GOOD, FAILED, OTHER = 0, 1, 3
 _OUTPUT = 'chaos.json'
 _COUNT = word_of(number(1, 1024, whole=True))
+_BOUND = word_of(number(0.0, 1000.0, unit='s, simulated'))
 _SEED = word_of(number(1, LARGEST_CHAOS_SEED, whole=True))
 #: RunOptions that mean nothing here
-_REFUSED = {**dict.fromkeys(('chaos_seed', 'chaos_delay', 'chaos_only'), '--seeds and --delay say what is tried'),
+_REFUSED = {**dict.fromkeys(('chaos_seed', 'chaos_delay', 'chaos_starts', 'chaos_only'),
+                            '--seeds, --delay and --starts say what is tried'),
             'lookahead': 'with a lookahead no events are equal'}
 #: {name of a property: the beginning of the names of the failures that it is here}
 _FAILURES = {'no_crash': 'crash', 'no_exception': 'crash', 'no_zero_delay_loop': 'zero_delay_loop'}
+#: the words with which the names of all failures begin, but for those of statements
+_KNOWN = (ALL, *failures.NAMES, *BUILT_IN)
 
 
 @dataclass(frozen=True)
@@ -48,20 +54,32 @@ class _Options(RunOptions):
 def main(words: Sequence[str]) -> int:
     """Run the command with these arguments; return the exit code, which the epilog of --help explains."""
     parser, options = _parse(words)
-    return ending.exit_code('chaos', lambda: _replay(options) if options.replay else _search(parser, options))
+    def run() -> int:
+        if not options.replay:
+            return _search(parser, options)
+        made = replay_file.read(options.replay)
+        if any(':=' not in word for word in made.launch[1:]):
+            raise ConfigurationError(f'{options.replay}: launch must be a file, then ARG:=VALUE')
+        return _count_again(options, made) if options.count else _replay(made)
+    return ending.exit_code('chaos', run)
 
 
 def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Namespace]:
     from move_base_abstract_ros.launching import command_line
     parser = argparse.ArgumentParser(
-        prog='chaos', usage=command_line.USAGE + '\n       %(prog)s --replay FILE',
-        description='Run a launch file with other legal orders of equal events until something fails.',
+        prog='chaos', usage=command_line.USAGE + '\n       %(prog)s [--count] --replay FILE',
+        description='Run a launch file with other legal orders, delays and late starts, until something fails.',
         epilog='exit codes: 0 nothing failed, 1 something failed (with --replay: it fails again), 2 the file cannot be '
         'run like this, 3 (with --replay) it does not fail any more, 130 interrupted')
     parser.add_argument('--seeds', type=_seeds, default=(1, 100), metavar='FIRST:LAST', help='seeds to try '
                         '(default: 1:100)')
-    parser.add_argument('--delay', type=word_of(number(0.0, 1000.0, unit='s, simulated')), default=0.0, metavar='S',
-                        help='messages take up to S simulated seconds; 0: only the order of equal events changes')
+    parser.add_argument('--delay', type=_BOUND, metavar='S', help='in all seeds messages take up to S simulated '
+                        f'seconds (default: {DELAY_S:g} in even seeds, 0 in odd ones; 0 with --starts)')
+    parser.add_argument('--starts', type=_BOUND, metavar='S', help='in all seeds nodes start up to S simulated seconds '
+                        f'late, and their connections are up to S/10 late (default: {STARTS_S:g} in even seeds, 0 in '
+                        'odd ones; 0 with --delay)')
+    parser.add_argument('--count', action='store_true', help='try all seeds, and say how many fail; with --replay: try '
+                        'them again, and compare')
     parser.add_argument('--workers', type=_COUNT, default=os.cpu_count() or 1, metavar='N',
                         help='runs at the same time (default: one per core)')
     parser.add_argument('--output', default=_OUTPUT, metavar='FILE', help='file that replays the failure '
@@ -70,7 +88,7 @@ def _parse(words: Sequence[str]) -> Tuple[argparse.ArgumentParser, argparse.Name
     command_line.add_run(parser, _Options, _REFUSED)
     options = parser.parse_intermixed_args(words)
     options.asked = of_arguments(_Options, parser, options)
-    besides = words_of(options.asked) + options.command
+    besides = words_of(options.asked) + Variation(options.delay, options.starts).words() + options.command
     if options.replay and besides:
         parser.error(f'--replay: the file says what is run; got also {" ".join(besides)}')
     return parser, options
@@ -89,28 +107,72 @@ def _search(parser: argparse.ArgumentParser, options: argparse.Namespace) -> int
     (path, arguments), = command_line.files_of(parser, options.command)
     judged, wanted = _wanted(options.asked.properties)
     more = {**given(_Options, options), 'properties': [ALL, *judged]}
-    first, last = options.seeds
-    begin = time.monotonic()
-    with Runs(document_of(path, arguments, more), os.getcwd(), options.workers, options.delay, wanted) as runs:
+    count = Count(options.seeds, options.delay, options.starts, wanted)
+    with _runs(path, arguments, more, options.workers, count) as runs:
         if options.asked.adopt:
             _say(command_line.of_adopted(options.asked, options.command))
-        # The stated order, seed 0, comes first. If it fails, no chaos is needed.
-        seeds = [RunRequest(0), *map(RunRequest, range(first, last + 1))]
-        gathered = Gathering()
-        found = _first_failing(runs.each(seeds), gathered)
-        passed = time.monotonic() - begin
-        _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
-        for (node, text), (said, held) in gathered.sometimes.items():
-            _say(f"sometimes: {node}: {text}: came true in {held or 'none'} of the {_counted(said, 'run')} that say it")
+        found = _tried(runs, count, options.count)
+        if options.count:
+            _say(count.said())
         if found is None:
+            first, last = count.seeds
             _say(f'nothing failed in the stated order and with the seeds {first} to {last}')
             if last < LARGEST_CHAOS_SEED:
                 further = f'{last + 1}:{min(2 * last - first + 1, LARGEST_CHAOS_SEED)}'
                 _say('next: more seeds: ' + command_line.typed(
                     'chaos', ['--seeds', further, *_changed(options)], options.asked, options.command))
+            _say(f'the seeds varied {runs.variation.said(count.seeds)}')
             return GOOD
-        made = Replay([path, *arguments], found.chosen.seed, options.delay, [], '', '', more)
+        bounds = runs.variation.of(found.chosen.seed)
+        made = Replay([path, *arguments], found.chosen.seed, bounds.delay, [], '', '', more, starts=bounds.starts,
+                      count=vars(count) if options.count else {})
         return _tell(runs, found, made, options.output)
+
+
+def _runs(path: str, arguments: Sequence[str], more: Dict[str, Any], workers: int, count: Count) -> Runs:
+    return Runs(document_of(path, arguments, more), os.getcwd(), workers, count.variation, count.wanted)
+
+
+def _tried(runs: Runs, count: Count, is_all: bool) -> Optional[RunResult]:
+    """Try the stated order, seed 0, and the seeds of ``count``, up to the first that fails, or all; say what was seen.
+
+    Return the first that fails, or None. The failing seeds are added to ``count``.
+
+    :raises ConfigurationError: if none fails, and a text that is looked for was stated in no run.
+    """
+    begin = time.monotonic()
+    first, last = count.seeds
+    # The stated order comes first. If it fails, no chaos is needed.
+    told = runs.each([RunRequest(0), *map(RunRequest, range(first, last + 1))])
+    found: Optional[RunResult] = None
+    stated: Dict[str, None] = {}
+    gathered = Gathering()
+    for one in told:
+        if one.judged is not None:
+            gathered.take(f'seed {one.chosen.seed}', one.chosen.seed, one.judged.told())
+            stated.update(dict.fromkeys(key[-1] for key in one.judged.statements))
+        if one.failure is not None:
+            found = found or one
+            if one.chosen.seed:
+                count.failed[one.chosen.seed] = one.failure.name
+            if not is_all:
+                break
+    told.close()
+    passed = time.monotonic() - begin
+    _say(f"{_counted(runs.count, 'run')} in {passed:.1f} s of wall time, {60 * runs.count / passed:.0f} a minute")
+    for (node, what), (said, held) in gathered.sometimes.items():
+        _say(f"sometimes: {node}: {what}: came true in {held or 'none'} of the {_counted(said, 'run')} that say it")
+    if found is None:
+        _check_stated(count.wanted, list(stated), runs.count)
+    return found
+
+
+def _check_stated(wanted: Sequence[str], stated: Sequence[str], runs: int) -> None:
+    for name in wanted:
+        if name.partition(' ')[0] not in _KNOWN and not any(failures.is_meant(one, name) for one in stated):
+            raise ConfigurationError(
+                f'{shown(name)}: no failure has this name, and no node stated this text in the '
+                f'{_counted(runs, "run")}; stated were: {", ".join(map(shown, stated)) or "none"}')
 
 
 def _wanted(properties: Sequence[str]) -> Tuple[List[str], List[str]]:
@@ -120,21 +182,10 @@ def _wanted(properties: Sequence[str]) -> Tuple[List[str], List[str]]:
     """
     judged = [word for word in properties if word.partition('=')[0] in BUILT_IN]  # some take a number
     names = [word.partition('=')[0] if word in judged else word for word in properties]
-    known = (ALL, *failures.NAMES, *BUILT_IN)
     for name in names:
-        if name.partition(' ')[0] not in known:
-            _say(f'{shown(name)} is taken for the text of a statement of your own{similar(name, known)}')
+        if name.partition(' ')[0] not in _KNOWN:
+            _say(f'{shown(name)} is taken for the text of a statement of your own{similar(name, _KNOWN)}')
     return judged, [] if ALL in names else [_FAILURES.get(name, name) for name in names]
-
-
-def _first_failing(told: Iterable[RunResult], gathered: Gathering) -> Optional[RunResult]:
-    """Return the first run that fails, or None. ``gathered`` takes the statements of all runs up to that one."""
-    for one in told:
-        if one.judged is not None:
-            gathered.take(f'seed {one.chosen.seed}', one.chosen.seed, one.judged.told())
-        if one.failure is not None:
-            return one
-    return None
 
 
 def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
@@ -161,32 +212,47 @@ def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
         _say('  ' + line)
     replay_file.write(output, made)
     _say(f'run it again: rosrun move_base_abstract chaos --replay {pasted(output)}')
+    if made.count:
+        _say(f'after a repair, count again: rosrun move_base_abstract chaos --count --replay {pasted(output)}')
     return FAILED
 
 
 def _changed(options: argparse.Namespace) -> List[str]:
     """Return the words of the options of the search, besides its seeds, that are not their defaults."""
-    return [word for name, default in (('delay', 0.0), ('workers', os.cpu_count() or 1), ('output', _OUTPUT))
-            for value in [getattr(options, name)] if value != default for word in (f'--{name}', str(value))]
+    return [*Variation(options.delay, options.starts).words(), *(['--count'] if options.count else []), *(
+        word for name, default in (('workers', os.cpu_count() or 1), ('output', _OUTPUT))
+        for value in [getattr(options, name)] if value != default for word in (f'--{name}', str(value)))]
 
 
 def _counted(count: int, what: str = 'decision') -> str:
     return f"{count} {what}{'s' * (count != 1)}"
 
 
-def _replay(options: argparse.Namespace) -> int:
-    made = replay_file.read(options.replay)
+def _replay(made: Replay) -> int:
     if made.test:
         return _replay_test(made)
     path, *arguments = made.launch
-    if any(':=' not in word for word in arguments):
-        raise ConfigurationError(f'{options.replay}: launch must be a file, then ARG:=VALUE')
-    with Runs(document_of(path, arguments, made.document), os.getcwd(), 1, made.delay,
+    with Runs(document_of(path, arguments, made.document), os.getcwd(), 1, Variation(made.delay, made.starts),
               [made.failure] if made.failure else []) as runs:
         told = runs.one(RunRequest(made.seed, tuple(made.only)))
     for line in made.happened:
         _say('  ' + line)
     return _compared(made, None if told.failure is None else told.failure.text, told.digest)
+
+
+def _count_again(options: argparse.Namespace, made: Replay) -> int:
+    """Try the seeds of a count again, and compare; return the exit code."""
+    before = counting.of_file(options.replay, made.count)
+    now = replace(before, failed={})
+    path, *arguments = made.launch
+    with _runs(path, arguments, made.document, options.workers, now) as runs:
+        found = _tried(runs, now, True)
+    if found is not None and not found.chosen.seed:
+        assert found.failure is not None
+        _say(f'it fails in the stated order, without chaos: {found.failure.text}')
+    for line in now.compared(before):
+        _say(line)
+    return OTHER if found is None else FAILED
 
 
 def _replay_test(made: Replay) -> int:

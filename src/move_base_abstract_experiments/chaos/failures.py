@@ -113,9 +113,14 @@ def of_run(run: Evidence, wanted: Sequence[str] = ()) -> Optional[Failure]:
     """
     for kind in KINDS:
         for failure in kind.find(run):
-            if not wanted or any(failure.name == name or failure.name.startswith(name + ' ') for name in wanted):
+            if not wanted or any(is_meant(failure.name, name) for name in wanted):
                 return failure
     return None
+
+
+def is_meant(name: str, wanted: str) -> bool:
+    """Return whether a Failure of this name is meant by ``wanted``: its name, or its first words."""
+    return name == wanted or name.startswith(wanted + ' ')
 
 
 def _at(time_ns: int) -> str:

@@ -7,7 +7,7 @@ import hashlib
 import json
 import queue
 from types import TracebackType
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Any, Callable, Dict, Generator, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Type
 
 from move_base_abstract.common.errors import ConfigurationError
 from move_base_abstract.faults import buggify
@@ -21,7 +21,9 @@ from ..results import outputs
 from ..trials.run_folders import LOG
 from ..trials.run_plan import DECISIONS
 from . import failures
+from .variation import Variation
 
+_NETWORK = '/time_master/network'  # a launch file's own
 _TIME_LIMIT_S = 120.0  # wall, of a run
 #: takes candidates; returns (the place of the first that fails, those of its names that occurred in its run), or None
 Try = Callable[[List[List[str]]], Optional[Tuple[int, List[str]]]]
@@ -59,12 +61,13 @@ def document_of(path: str, arguments: Sequence[str], given: Dict[str, Any]) -> D
 class Runs:
     """Runs on several warm processes; a context manager. ``wanted``: the names of failures that count; empty: all."""
 
-    def __init__(self, document: Dict[str, Any], folder: str, workers: int, delay: float,
+    def __init__(self, document: Dict[str, Any], folder: str, workers: int, variation: Variation,
                  wanted: Sequence[str]) -> None:
-        self._delay = delay
         self._wanted = wanted
         trial, = plan.trials(spec.checked(document, folder))
-        launch_files.check_programs(*launch_files.with_options(trial))
+        config, options = launch_files.with_options(trial)
+        launch_files.check_programs(config, options)
+        self.variation = dataclasses.replace(variation, has_network=bool(trial.network) or _NETWORK in config.params)
         self._job = jobs.make_job(trial)
         self._idle: Any = queue.LifoQueue()  # of warm processes, and of None for each that was not needed yet
         self._all: List[jobs.WarmProcess] = []
@@ -86,7 +89,7 @@ class Runs:
             warm.close()
         self._pool.shutdown()
 
-    def each(self, chosen: Iterable[RunRequest]) -> Iterator[RunResult]:
+    def each(self, chosen: Iterable[RunRequest]) -> Generator[RunResult, None, None]:
         """Yield the result of each run, in the order given. As many run at the same time as there are processes."""
         ahead: List[Any] = []  # Futures of RunResult
         waiting = iter(chosen)
@@ -157,9 +160,9 @@ class Runs:
     def _job_of(self, chosen: RunRequest) -> Job:
         trial = self._job.trial
         only = () if chosen.only is None else chosen.only or ('none',)
-        experiment = dataclasses.replace(trial.experiment, chaos_seed=chosen.seed,
-                                         chaos_delay=self._delay if chosen.seed else 0.0,
-                                         chaos_only=only if chosen.seed else ())
+        delay, starts = self.variation.of(chosen.seed)
+        experiment = dataclasses.replace(trial.experiment, chaos_seed=chosen.seed, chaos_delay=delay,
+                                         chaos_starts=starts, chaos_only=only if chosen.seed else ())
         return dataclasses.replace(self._job, trial=dataclasses.replace(trial, experiment=experiment))
 
 

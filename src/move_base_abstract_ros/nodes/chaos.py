@@ -1,4 +1,4 @@
-"""Find faults that another order of equal events causes: rosrun move_base_abstract chaos; see docs/chaos.md."""
+"""Find faults that other orders, late messages or late starts cause: rosrun move_base_abstract chaos; docs/chaos.md."""
 import sys
 
 

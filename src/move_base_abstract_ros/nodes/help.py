@@ -41,8 +41,8 @@ PROGRAMS = {
         'verify': ('runs a launch file under conditions that must not matter, and compares the runs',
                    'verify.md', 'verify'),
         'compare': ('finds the first difference of two event logs', 'time_master.md', 'compare'),
-        'chaos': ('runs a launch file with other legal orders of equal events until something breaks, and finds the '
-                  'fewest decisions that break it', 'chaos.md', 'chaos')},
+        'chaos': ('runs a launch file with other legal orders of equal events, late messages and late starts until '
+                  'something breaks, and finds the fewest decisions that break it', 'chaos.md', 'chaos')},
     'What comes out?': {
         'replay': ('shows a run, or two side by side, from event logs, as a page for any browser', 'replay.md',
                    'move_base_abstract_replay.command'),
