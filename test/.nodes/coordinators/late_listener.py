@@ -21,15 +21,20 @@ class Coordinator:
         for name in message.data.split():
             rospy.Subscriber(name + '/hello', String, lambda hello: self.robots.append(hello.data))
 
+    def look(self):
+        """Do nothing while robots are missing."""
+
 
 class CorrectCoordinator(Coordinator):
-    """The coordinator without the bug: it also asks the robots for their names."""
+    """The coordinator without the bug: it also asks the robots for their names, until all have answered."""
 
-    def on_team(self, message):
-        """Listen, then ask all robots."""
-        super().on_team(message)
-        self.ask = rospy.Publisher('who', String, queue_size=1, latch=True)
-        self.ask.publish(message.data)
+    def __init__(self):
+        super().__init__()
+        self.ask = rospy.Publisher('who', String, queue_size=1)
+
+    def look(self):
+        """Ask all robots: an answer is lost if its connection is not up yet."""
+        self.ask.publish('')
 
 
 def main():
@@ -39,6 +44,7 @@ def main():
     coordinator = CorrectCoordinator() if rospy.get_param('~correct') else Coordinator()
     while len(set(coordinator.robots)) < 2:
         rospy.sleep(1.0)
+        coordinator.look()
         if rospy.get_time() > 60.0:
             raise RuntimeError('only these have said who they are: {}'.format(sorted(coordinator.robots)))
 
