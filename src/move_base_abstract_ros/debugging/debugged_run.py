@@ -196,7 +196,7 @@ class DebuggedRun:
 
     def _await_stop(self, number: int, until_ns: int, seconds: float = math.inf) -> None:
         self._await(lambda state: state.stops >= number or state.phase in STANDS or (
-            state.phase == 'paused' and state.sim_time.to_nsec() >= until_ns), seconds)
+            state.phase == 'paused' and 0 < until_ns <= state.sim_time.to_nsec()), seconds)
 
     def _await(self, is_there: Callable[[Any], bool], seconds: float = math.inf) -> None:
         """Wait for a state of this kind, or the end of the run, at most ``seconds`` [s, wall]."""
@@ -212,5 +212,6 @@ class DebuggedRun:
         except LinkError:  # the time master has ended, and so does the run
             if self._state is not None:
                 self._state.phase = 'ended'
-            self.await_end()
+        if self.is_over:
+            self.await_end()  # then the log is whole
         self.log.read()

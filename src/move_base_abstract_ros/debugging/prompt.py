@@ -37,7 +37,7 @@ class Prompt(cmd.Cmd):
         """Say where the run stands: at its start, or at an instant [s] or a row of the log, to which it goes."""
         if row is not None:
             self._move(lambda: self.session.go(Stop.at_row(row)))
-        elif instant is not None:
+        elif instant is not None and round(instant * 1e9) > self.session.run.now_ns:
             self._move(lambda: self.session.go_until(round(instant * 1e9)))
         else:
             nodes = self._nodes()

@@ -72,8 +72,6 @@ class Session:
         known = self.run.log.broken(low, properties)
         while True:
             self.go_until(self.run.now_ns + slice_ns)
-            if self.run.is_over:
-                self.run.await_end()  # then the log has its end
             found = self.run.log.first_break(low, known, properties)
             if found is not None:
                 self._stand_at(found[0])
