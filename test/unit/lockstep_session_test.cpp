@@ -254,7 +254,7 @@ TEST(Malformed, OnlyThatConnectionIsClosed) {
   pair.report(2, 3 * kSecond);
   pair.bytes(1, std::string("\x01\0\0\0\x63", 5));
   EXPECT_TRUE(pair.closed[1]);
-  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 7, got 99");
+  EXPECT_EQ(pair.end[1], "type of frame must be from 1 to 8, got 99");
   EXPECT_FALSE(pair.closed[2]);
   EXPECT_EQ(pair.point(2), "3000+0");
   EXPECT_EQ(pair.session.status().degraded.size(), 1U);

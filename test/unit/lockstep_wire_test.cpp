@@ -166,8 +166,8 @@ TEST(Wire, WrongKindsAndValuesAreRefused) {
     return malformed([&] { decodeFromParticipant(bytes); });
   };
   EXPECT_EQ(up(""), "a frame must have a type, got an empty one");
-  EXPECT_EQ(up("\x08"), "type of frame must be from 1 to 7, got 8");
-  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 7, got 19");
+  EXPECT_EQ(up("\x09"), "type of frame must be from 1 to 8, got 9");
+  EXPECT_EQ(up("\x13"), "type of frame must be from 1 to 8, got 19");
   EXPECT_EQ(up("\x03zz"), "KNOCK: end must come here, got more bytes (byte 0 of 2)");
   const auto patched = [&](const ReportItem& item, std::size_t at, char value) {
     std::string frame = encodeReport({}, "");
