@@ -10,6 +10,7 @@ docs/nodes/upstream.yaml. A table within a page is between
 the pages with the output of this program.
 """
 import ast
+import json
 import re
 import sys
 from pathlib import Path
@@ -190,6 +191,16 @@ def failures_of_runs(_name):
     return ['| name | when |', '|---|---|', *(f'| {name} | {when} |' for name, when in named)]
 
 
+def coordinators(_name):
+    """Return the lines of the table of what chaos finds, as bench/chaos_faults.py has counted it."""
+    counted = json.loads((ROOT / 'test' / '.nodes' / 'coordinators' / 'counted.json').read_text(encoding='utf-8'))
+    columns = ('order', 'delays', 'starts', 'default', 'twin')
+    return ['| coordinator | seeds | order alone | order, delays up to 0.05 s | order, starts up to 0.5 s late | '
+            'by default | its twin, by default |', '|---|---|---|---|---|---|---|',
+            *(f'| `{name}` | {one["seeds"]} | {" | ".join(str(one[column]) for column in columns)} |'
+              for name, one in counted.items())]
+
+
 def policies(_name):
     """Return the lines of the table of a dispatcher's policies."""
     return ['| policy | rule |', '|---|---|', *(f'| `{name}` | {one.rule} |' for name, one in POLICIES.items())]
@@ -318,7 +329,7 @@ def of_upstream(_name):
 
 #: what makes the other tables within pages, by their kind
 OTHERS = {'states': states, 'policies': policies, 'properties': properties, 'metrics': metrics, 'at_limit': at_limit,
-          'rows': rows_of, 'faults': faults, 'failures': failures_of_runs,
+          'rows': rows_of, 'faults': faults, 'failures': failures_of_runs, 'coordinators': coordinators,
           'commands': commands, 'upstream': of_upstream, 'programs': list_of_programs, 'rooms': rooms}
 FILLED = re.compile(r'(<!-- (parameters|{}): (\w+) -->)\n.*?(<!-- end -->)'.format('|'.join(OTHERS)), re.DOTALL)
 
