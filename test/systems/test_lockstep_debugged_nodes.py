@@ -243,6 +243,36 @@ class LockstepDebuggedNodesTest(OwnPackage, unittest.TestCase):
         self.assertIn('lockstep_watch', said)
         self.assertEqual(len(re.findall('^Thread .* hit Breakpoint 1', said, re.MULTILINE)), 3, said)
 
+    def at_prompt(self, *commands, code=0):
+        """Return what the program debug answers to commands."""
+        ended, said = self.run_it('debug', '--commands', self.write('commands', '\n'.join(commands)), '--until', '5',
+                                  self.launch_file)
+        self.assertEqual(ended, code, said)
+        return said
+
+    def test_the_prompt_sets_breakpoints_talks_with_pdb_and_keeps_breakpoints_on_the_way_back(self):
+        said = self.at_prompt(
+            'break no_such.py', 'break /no/such.py:3', 'pdb nobody', 'gdb listener', 'clear x.py:1',
+            'break listener.py:{} /listener'.format(HEAR), 'run 0.5', 'p ("first", message.data)', 'clear', 'continue',
+            'back 1', 'run 0.5', 'p ("again", message.data)', '!self.total = 7', 'quit', 'pdb talker', 'run 0.5',
+            'p ("talker", n)', 'quit', 'clear', 'break', code=1)
+        for words in ("a breakpoint is FILE:LINE [NODE], such as planner.py:120 /planner; got 'no_such.py'",
+                      "there is no file '/no/such.py'", "got 'nobody'",
+                      '/listener is a Python program; use pdb or break', 'there is no breakpoint x.py:1',
+                      "('first', 1)", "('again', 1)",
+                      "('talker', ", "'!self.total = 7' was typed at a prompt", 'there are no breakpoints'):
+            self.assertIn(words, said)
+
+    @unittest.skipUnless(shutil.which('gdb'), 'gdb is not installed')
+    def test_the_prompt_attaches_gdb_while_time_stands_and_the_run_stops_when_gdb_ends(self):
+        node = '<node pkg="move_base_abstract" type="shim_timer" name="timers"/>'
+        self.launch_file = self.write('timers.launch', '<launch>{}{}</launch>'.format(NODES.format(''), node))
+        said = self.at_prompt('pdb timers', 'gdb timers', 'break ros::Publisher::publish', 'continue', 'bt', 'quit',
+                              'where', code=1)
+        self.assertIn('/timers is a C++ program; use gdb', said)
+        self.assertIn('hit Breakpoint 1', said)
+        self.assertIn('gdb has ended (exit code 0)', said)
+
     def test_without_a_debug_program_that_listens_the_run_is_a_plain_one(self):
         plain = self.plain()
         self.environment['MOVE_BASE_ABSTRACT_DEBUG'] = self.path('nobody')

@@ -152,7 +152,11 @@ def test_commands_that_need_a_terminal_are_refused_and_nothing_waits_for_one(deb
 
 
 def test_a_wish_to_stop_ends_at_the_next_line_of_the_program(debug):
-    assert debug('x = 1\ny = 2\n', ['next', 'continue'], is_wanted=True).stops == [1, 2]
+    generated = {}
+    exec(compile('def call(function):\n    function()\n', '<string>', 'exec'), generated)
+    program = 'def f():\n    return 1\ndebugger.stop_at_next_line()\ndebugger.turn_begins()\ncall(f)\nx = 1\n'
+    assert debug(program, [*['step'] * 9, 'quit'], call=generated['call']).stops[:3] == [5, 1, 2]
+
 
 
 def test_frames_of_lockstep_are_shown_if_they_are_asked_for(debug):

@@ -17,9 +17,8 @@ import heapq
 import sys
 import threading
 from collections import deque
-from contextlib import contextmanager
 from threading import get_ident
-from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from .beside import Beside
 from .loops import Looking, holds
@@ -35,7 +34,7 @@ class Scheduler(Looking, Beside):
 
     #: for all schedulers of the process: called in each application thread, with True when it begins, False at its end
     thread_changes: Optional[Callable[[bool], object]] = None
-    #: called in each application thread when it has been given the turn
+    #: called in each application thread when it has been given the turn, or has taken a grant in
     turn_begins: Optional[Callable[[], object]] = None
 
     def __init__(self, channel: Any) -> None:
@@ -304,6 +303,8 @@ class Scheduler(Looking, Beside):
             with self._outside_lock:
                 self._mail.extend(self._outside)
                 self._outside.clear()
+        if self.turn_begins is not None:
+            self.turn_begins()
 
     def _park(self, task: Task, other: Task) -> None:
         """Give the turn to ``other`` and wait for it to come back."""
@@ -328,18 +329,12 @@ class Scheduler(Looking, Beside):
 
     def start_thread(self, start: Callable[..., Any], thread: threading.Thread) -> None:
         """Call ``start(thread)``. Python itself waits meanwhile, which does not count as a wait of the application."""
-        with self.beside_turns():
-            start(thread)
-
-    @contextmanager
-    def beside_turns(self) -> Iterator[None]:
-        """Give a context in which what the calling thread does and waits for is not the application's."""
         if not self.is_mine():
-            yield
+            start(thread)
             return
         mine, self.turn_ident = self.turn_ident, 0
         try:
-            yield
+            start(thread)
         finally:
             self.turn_ident = mine
 

@@ -20,6 +20,8 @@ _NAME = 'nodes'
 #: words of a node that are news for the user, beside the text of a stop
 _TOLD = ('touched', 'refused', 'note')
 _BELL = b'.'
+_HEARD_S = 10.0  # wall
+_ALL = 2 ** 53
 
 
 class News(NamedTuple):
@@ -41,11 +43,25 @@ class Node:
         self.talk: Any = queue.Queue()
         self._connection = connection
         self._lock = threading.Lock()
+        self._sent, self._heard = 0, 0  # numbers of messages
+        self._news = threading.Condition()
 
     def send(self, word: str, **values: Any) -> None:
         """Send a message; do nothing if the process has ended."""
         with self._lock, contextlib.suppress(OSError):
-            self._connection.sendall(json.dumps({'is': word, **values}).encode() + b'\n')
+            self._sent += word != 'line'  # which has an answer of its own
+            self._connection.sendall(json.dumps({'is': word, 'number': self._sent, **values}).encode() + b'\n')
+
+    def heard(self, number: int) -> None:
+        """Note that the process has got the messages up to this one."""
+        with self._news:
+            self._heard = number
+            self._news.notify_all()
+
+    def await_heard(self) -> None:
+        """Wait until the process has got all messages, so that they count when it gets the turn next."""
+        with self._news:
+            self._news.wait_for(lambda: self._heard >= self._sent, _HEARD_S)
 
     def messages(self) -> Iterator[Dict[str, Any]]:
         """Yield what it sends, until it ends."""
@@ -108,29 +124,29 @@ class NodeSessions:
         """Have these breakpoints. Nodes get them with their next turns, others when they start."""
         with self._lock:
             self.places = list(places)
-            for node in self._nodes:
-                self._send_places(node)
+            told = [node for node in self._nodes if self._send_places(node)]
+        for node in told:
+            node.await_heard()
 
     def stop_in(self, name: str) -> None:
         """Have a node stop at the next line of its own code; if it is not there yet, at its first one."""
-        with self._lock:
-            for node in self._nodes:
-                if node.name == name:
-                    node.has_left, node.places = False, []
-                    self._send_places(node)
-                    node.send('stop')
-                    return
+        node = self.nodes.get(name)
+        if node is None:
             self._awaited.append(name)
+            return
+        with self._lock:
+            node.has_left, node.places = False, []
+            self._send_places(node)
+            node.send('stop')
+        node.await_heard()
 
-    def wait_for_editor(self, name: str, port: int) -> None:
-        """Have a node wait for an editor at 127.0.0.1, at its next turn. :raises KeyError: if it is not there."""
-        self.nodes[name].send('code', port=port)
-
-    def _send_places(self, node: Node) -> None:
+    def _send_places(self, node: Node) -> bool:
         places = [[file, line] for file, line, of in self.places if of in ('', node.name)]
-        if places != node.places and not node.has_left:
-            node.places = places
-            node.send('places', places=places)
+        if places == node.places or node.has_left or not node.is_python:
+            return False
+        node.places = places
+        node.send('places', places=places)
+        return True
 
     def talk(self, name: str, read_line: Callable[[str], Optional[str]], write: Callable[[str], object]) -> None:
         """Forward the prompt of a node that has stopped, until it goes on.
@@ -181,12 +197,15 @@ class NodeSessions:
                 self._tell(node, word, message['text'])
             elif word == 'left':
                 node.has_left = True
+            elif word == 'heard':
+                node.heard(message['number'])
             else:
                 if word == 'stopped':
                     self._tell(node, word, '{} stands at {}:{} in {}, at {}.{:09d} s'.format(
                         node.name or node.path, message['file'], message['line'], message['thread'],
                         *divmod(message['time_ns'], 10 ** 9)))
                 node.talk.put(message)
+        node.heard(_ALL)
         if not node.is_python:
             return  # it has become another program, which does not listen
         with self._lock:

@@ -13,6 +13,7 @@ from move_base_abstract.common.shown import shown
 
 from . import answers, state_words, stop_words
 from .answers import Answer
+from .node_commands import NodeCommands
 from .session import Session
 from .stops import ROUND, ROW, Refused, Stop
 
@@ -20,7 +21,7 @@ _SHOWN_ROWS = 5
 _OVER = 'EOF'  # cmd's word for the end of the input
 
 
-class Prompt(cmd.Cmd):
+class Prompt(NodeCommands, cmd.Cmd):
     """Commands to a Session. ``is_json``: each answer is one JSON object on a line of its own."""
 
     doc_header = 'Commands; help COMMAND says more of one:'
@@ -29,6 +30,7 @@ class Prompt(cmd.Cmd):
     def __init__(self, session: Session, is_json: bool = False) -> None:
         super().__init__()
         self.session, self._is_json = session, is_json
+        session.meet = self.meet
         self.has_refused = False  # whether a command could not be done
         self._command = 'start'
         self._lines: Optional[Iterator[str]] = None  # from where commands come, if nobody types them

@@ -3,12 +3,10 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Dict, Optional
 
 from move_base_abstract.lockstep import wire
 
-from . import editors
 from .link import Link
 from .node_debugger import NodeDebugger
 
@@ -32,7 +30,7 @@ class Attached:
             if message.get('is') == 'begin':
                 break
             self._handle(message)
-        link.follow(lambda message: self.debugger.soon(lambda: self._handle(message)))
+        link.follow(self._hear)
 
     def follow(self, participant: Optional[Participant]) -> None:
         """Follow the threads of a program that takes part from now on."""
@@ -50,6 +48,10 @@ class Attached:
         self._link.send('there', node=self._name, path=os.path.realpath(self._path), pid=os.getpid(), is_python=True,
                         words=[])
 
+    def _hear(self, message: Dict[str, Any]) -> None:
+        self.debugger.soon(lambda: self._handle(message))
+        self._link.send('heard', number=message.get('number', 0))
+
     def _handle(self, message: Dict[str, Any]) -> None:
         word = message.get('is')
         if word == 'left' or self._is_refused:
@@ -60,24 +62,6 @@ class Attached:
             self.debugger.set_places([(str(file), int(line)) for file, line in message['places']])
         elif word == 'stop':
             self.debugger.stop_at_next_line()
-        elif word == 'code':
-            self._let_editor_in(int(message['port']))
-
-    def _let_editor_in(self, port: int) -> None:
-        self.debugger.detach()
-        with self._looked_at():
-            trace_thread = editors.wait_for_editor(port, self._link, self._looked_at)
-        if trace_thread is not None and self._participant is not None:
-            self._participant.scheduler.turn_begins = trace_thread
-
-    @contextmanager
-    def _looked_at(self) -> Iterator[None]:
-        self._looks(True)
-        try:
-            with nullcontext() if self._participant is None else self._participant.scheduler.beside_turns():
-                yield
-        finally:
-            self._looks(False)
 
     def _looks(self, is_there: bool) -> None:
         if self._participant is not None:

@@ -16,11 +16,11 @@ import threading
 from typing import Any, Callable, Dict, Iterator, Optional, Sequence
 
 #: from the participant: there (node, path, pid, is_python, words), stopped (file, line, thread, time_ns), prompt, text
-#: (text), going, touched (text), refused (text), note (text), left
-#: to the participant: places ([[file, line], ...]), stop, line (text, None at the end of commands), code (port), begin
-#: after those that are there at the start
-WORDS = ('there', 'stopped', 'prompt', 'text', 'going', 'touched', 'refused', 'note', 'left',
-         'places', 'stop', 'line', 'code', 'begin')
+#: (text), going, touched (text), refused (text), note (text), left, heard (number: up to which all has come)
+#: to the participant, with a number: places ([[file, line], ...]), stop, begin after those that are there at the start;
+#: without one: line (text, None at the end of commands)
+WORDS = ('there', 'stopped', 'prompt', 'text', 'going', 'touched', 'refused', 'note', 'left', 'heard',
+         'places', 'stop', 'line', 'begin')
 _START_S = 20.0  # wall
 _NUMBER = 400  # the descriptor's number is not one of those that the program's own files get
 _BYTES = 1 << 16

@@ -128,8 +128,7 @@ class NodeDebugger(pdb.Pdb):
         return super().trace_dispatch(frame, event, arg)
 
     def _is_followed(self, frame: Any) -> bool:
-        code = frame.f_code
-        if self._is_line_wanted and not is_library(code.co_filename):
+        if self._is_line_wanted and _is_own(frame):
             return True
         if self._is_stepping and self._thread == get_ident() and (
                 frame is self.stopframe or frame is self.returnframe or self.stopframe is None and _is_open(frame)):
@@ -167,7 +166,7 @@ class NodeDebugger(pdb.Pdb):
     def stop_here(self, frame: Any) -> bool:
         """Return whether a step ends in a frame: steps are in one thread, and do not enter what is ours."""
         if self._is_line_wanted:
-            return not is_library(frame.f_code.co_filename)
+            return _is_own(frame)
         return self._thread == get_ident() and _is_open(frame) and bool(super().stop_here(frame))
 
     def _go(self) -> None:
@@ -304,10 +303,16 @@ def _is_ours(frame: Any) -> bool:
     return bool(frame.f_code.co_filename.startswith((*OWN, '<frozen')))
 
 
+def _is_own(frame: Any) -> bool:
+    """Return whether a frame is of a file of the program's own, and not of a text that a library has compiled."""
+    filename = frame.f_code.co_filename
+    return not (filename.startswith('<') or is_library(filename))
+
+
 def _is_open(frame: Optional[Any]) -> bool:
     """Return whether a step may enter a frame: one of the program, or one of a library that it has called itself."""
     while frame is not None:
-        if not is_library(frame.f_code.co_filename):
+        if _is_own(frame):
             return True
         if _is_ours(frame):
             return False
