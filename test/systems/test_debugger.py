@@ -1,9 +1,11 @@
 """A debugged run: each command with what it shows, stops that change nothing, back, and logs that start their runs."""
 import filecmp
+import glob
 import json
 import os
 import pty
 import random
+import re
 import signal
 import subprocess
 import threading
@@ -181,7 +183,7 @@ class CommandsTest(Debugger):
 
     def test_words_that_mean_nothing_here_are_refused(self):
         for words, said in ((['--list', self.fault], 'nothing is started'), (['--use-master', self.fault], 'own'),
-                            ([], 'a launch file must be given'), (['--log', 'a.jsonl', self.fault], 'besides'),
+                            ([], 'on the scaled clock'), (['--log', 'a.jsonl', self.fault], 'besides'),
                             (['--log', self.path('none.jsonl')], 'lockstep_launch --event-log writes it'),
                             (['nothing.launch'], 'nothing.launch')):
             done = subprocess.run([find_executable('debug'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -249,11 +251,18 @@ def has_ended(pid):
 
 class TerminalTest(Debugger):
 
+    def log_so_far(self):
+        """Return the event log of the first run, which goes on."""
+        with open(glob.glob(self.path('tmp/*debug_*/run_1/events.jsonl.part'))[0]) as stream:
+            return stream.read()
+
     def begin(self):
         """Debug at a terminal; return (process, function that types a line, list of what it has shown)."""
+        os.makedirs(self.path('tmp'), exist_ok=True)
+        self.environment['TMPDIR'] = self.path('tmp')
         ours, its = pty.openpty()
-        process = subprocess.Popen([find_executable('debug'), self.fault], stdin=its, stdout=its, stderr=its,
-                                   env=self.environment, cwd=self.folder, start_new_session=True)
+        process = subprocess.Popen([find_executable('debug'), '--log-messages', self.fault], stdin=its, stdout=its,
+                                   stderr=its, env=self.environment, cwd=self.folder, start_new_session=True)
         os.close(its)
         shown = ['']
         self.addCleanup(os.close, ours)
@@ -275,8 +284,12 @@ class TerminalTest(Debugger):
         wait_for('the next prompt', lambda: '(2.500 s) ' in shown[0])
         process.send_signal(signal.SIGINT)
         wait_for('the prompt again', lambda: shown[0].count('(2.500 s) ') > 1)
+        type_line('until end')  # it has none
+        wait_for('the run to go on', lambda: 'uncaught' in self.log_so_far())
+        process.send_signal(signal.SIGINT)
+        wait_for('the prompt with a later time', lambda: re.search(r'\n\(\d{2,}\.\d{3} s\) ', shown[0]))
         type_line('quit')
-        self.assertEqual(process.wait(GUARD), 0)
+        self.assertEqual(process.wait(GUARD), 3)  # a node crashed
 
     def test_nothing_stays_however_it_ends(self):
         for number in (signal.SIGTERM, signal.SIGKILL):

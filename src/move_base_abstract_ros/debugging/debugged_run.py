@@ -134,10 +134,6 @@ class DebuggedRun:
         self.refresh()
         if self.is_over:
             raise Refused('the run is over; allowed: back, at INSTANT, quit, and all that only looks')
-        if self.state.mode != 'lockstep':
-            raise Refused('the run is on the scaled clock, which waits for no node, so it cannot stop at an event; '
-                          'debug FILE runs a launch file in lockstep; on the scaled clock the time master has the '
-                          'services pause and step')
         if not self.is_stopped:
             raise Refused('the round has not ended yet: where says which node is waited for; try again, or quit')
 

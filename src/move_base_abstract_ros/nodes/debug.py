@@ -67,7 +67,8 @@ def _parse(words):
         if getattr(run, name, False) or getattr(run.one, name, False):
             parser.error('--{} means nothing here: {}'.format(name.replace('_', '-'), why))
     if not run.command:
-        run_parser.error('a launch file must be given: FILE, or PACKAGE FILE; got nothing')
+        run_parser.error('a launch file must be given, FILE or PACKAGE FILE: debug starts a run of its own, in '
+                         'lockstep; a run on the scaled clock is held by rosservice call /time_master/pause')
     return options, run
 
 
