@@ -15,7 +15,7 @@ import sys
 
 from move_base_abstract.common.errors import telling
 from move_base_abstract.common.shown import pasted
-from move_base_abstract.runs import event_log
+from move_base_abstract.runs import debug_command, event_log
 
 from ..launching import bag_difference
 
@@ -84,4 +84,10 @@ def _compare(first_path, second_path):
         print('next: both runs side by side: rosrun move_base_abstract replay {} {}; the likely cause: '
               'rosrun move_base_abstract verify FILE, with their launch file'.format(
                   pasted(first_path), pasted(second_path)))
+    if not result.identical:
+        instant_ns = min(event.time_ns for event in (result.first, result.second) if event)
+        for path in (first_path, second_path):
+            command = debug_command.of_instant(path, instant_ns)
+            if command:
+                print(f'next: before this event, in the debugger: {command}')
     return 0 if is_same else 1

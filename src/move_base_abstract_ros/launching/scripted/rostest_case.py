@@ -57,7 +57,7 @@ def _run(words, launch):
             for number in (1, 2):
                 os.dup2(write, number)
             launched = launch(words)
-            json.dump(launched.judged.told(), outcome)
+            json.dump({**launched.judged.told(), 'debugged': launched.debugged}, outcome)
             outcome.flush()
             sys.exit(launched.code)
         process = processes.Held(processes.Forked(processes.fork(child, new_session=True)))
@@ -87,7 +87,8 @@ def _cases(told):
         kind = one['property']
         case = '{}: {}'.format(kind, BUILT_IN[kind].sentence) if kind in BUILT_IN else '{}: {}: {}'.format(
             kind, one['node'], one['text'])
-        cases[case] = cases.get(case) or one['words']
+        cases[case] = cases.get(case) or '\n'.join(
+            [one['words'], *(['before that, in the debugger: ' + told['debugged']] if told.get('debugged') else [])])
     return cases
 
 

@@ -18,7 +18,7 @@ from move_base_abstract.common.shown import printable, shown_text
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
-from move_base_abstract.runs import ends, error_lines, run_file
+from move_base_abstract.runs import debug_command, ends, error_lines, run_file
 
 from ...debugging import MASTER_NOTE
 from ...launching import command_line, warm_nodes
@@ -34,7 +34,7 @@ class Launched(NamedTuple):
     """A run that is over. ``code``: the exit code; ``bags``: bags.Bag of each; ``crashes``: in words.
 
     ``fleets``: [name, why it cannot be split into several processes, or ''] of each fleet that is one process.
-    ``lines``: ErrorLines.
+    ``lines``: ErrorLines. ``debugged``: the command that leads to before the fault, '' if there is none.
     """
 
     code: int
@@ -43,6 +43,7 @@ class Launched(NamedTuple):
     fleets: list = []
     judged: Judgement = Judgement()
     lines: list = []
+    debugged: str = ''
 
 
 def launch(parser, options):
@@ -299,8 +300,20 @@ def _conclude(made, launched, found, log, options):
     sys.stderr.flush()
     code = launched.code
     code = _BROKEN if judged.broken else _CRASHED if crashed and options.run.crashes == FAIL and not code else code
+    faults = [*(one.instant_ns for one in judged.broken), *(end.time_ns for end in crashed)]
+    debugged = _debugged(options, faults) if code in (_BROKEN, _CRASHED) else ''
+    if debugged:
+        say('next: before that, in the debugger: ' + debugged)
     return launched._replace(code=code, crashes=[shown_text(end.words) for end in crashed], fleets=_fleets(made),
-                             judged=judged)
+                             judged=judged, debugged=debugged)
+
+
+def _debugged(options, faults):
+    """Return the command that leads to before the first of the faults [ns], or '' if no such run can be debugged."""
+    if options.debugged or options.series or options.use_master:
+        return ''
+    path = options.one.event_log
+    return debug_command.of_log(path, faults) if path else debug_command.of_run(words_again(options), faults)
 
 
 def _fleets(made):
