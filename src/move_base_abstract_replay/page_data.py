@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.motion.pieces import Piece
 from move_base_abstract.motion.told import told
+from move_base_abstract.runs import debug_command
 from move_base_abstract.runs.story import Story
 
 from .charges import Charges
@@ -86,7 +87,8 @@ class Run:
         self._pack_orders(packer)
         return packer.text({
             'name': self.name, 'begin': recording.begin_ns, 'end': recording.end_ns, 'names': recording.name_of,
-            'links': self.links, 'kinds': recording.kind_of,
+            'links': self.links, 'kinds': recording.kind_of, 'is_whole': not recording.left_out,
+            'debug': debug_command.of_log(os.path.abspath(recording.path)),
             'orders': list({phase.order: None for phase in self.phases}),
             'rows': [{'name': timeline.name, 'robot': timeline.is_robot} for timeline in self.timelines]})
 

@@ -8,6 +8,7 @@ from replay_test_pages import many_legs, page, small_run
 
 from move_base_abstract.motion.geometry import Pose2D
 from move_base_abstract.motion.pieces import Piece
+from move_base_abstract.runs import debug_command, run_file
 
 S = 1_000_000_000
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,6 +34,9 @@ DOTTED_AND_TRAIL = """
         window.lines[name] = points;
       };
     }"""
+#: script for the debugger's command, '' if it is not shown
+COMMAND = """const [command] = document.querySelectorAll('.debug:not([hidden]) input');
+              return command ? command.value : ''"""
 CURRENT = "return document.querySelector('.event.current:not([hidden])').textContent"
 
 
@@ -195,6 +199,32 @@ def test_two_runs_stand_side_by_side_and_a_button_shows_the_first_difference(bro
     browser.run('window.replay.seek(window.replay.end)')
     assert [browser.run(POSE, run, 0)[:2] for run in (0, 1)] == [pytest.approx((4.0, 4.0)), pytest.approx((30.0, 4.0))]
     assert len(browser.driver.find_elements('css selector', '.map canvas')) == 2
+
+
+def test_debug_here_copies_the_command_to_before_the_present_event(browser, pages):
+    from selenium.webdriver.common.keys import Keys
+    log, other = (pages[0] / 'debug_{}.jsonl'.format(number) for number in range(2))
+    run_file.write(str(log), run_file.of_run(['system.launch'], '/here', {}, ()))
+    browser.open(page(pages[0], 'debug', small_run(), small_run()))
+    begin = 'rosrun move_base_abstract debug --log {}'.format(log)
+    assert browser.run(COMMAND) == begin  # at the start
+    for time in (12.25, 10, 60):
+        browser.run('window.replay.seek(arguments[0] * 1e9)', time)
+        where = ' --at 12.25' if time == 12.25 else debug_command.of_instant(str(log), time * S)[len(begin):]
+        assert browser.run(COMMAND) == begin + where and where
+    assert where.startswith(' --row ')
+    browser.run("document.addEventListener('copy', (event) => { "
+                "const {value, selectionStart, selectionEnd} = event.target; "
+                "window.copied = value.slice(selectionStart, selectionEnd); })")
+    browser.click('.debug button')
+    assert browser.run('return window.copied') == begin + where
+    assert browser.run("return document.querySelector('.debug button').textContent") == 'Copied'
+    browser.press(Keys.HOME, 'b')
+    assert browser.run('return window.copied') == begin
+    browser.run('window.replay.runs[0].is_whole = false; window.replay.seek(60e9)')  # rows cannot be counted
+    assert browser.run(COMMAND) == begin + ' --at 59.9'
+    browser.click('[data-list="1"]')
+    assert browser.run(COMMAND) == '' and not other.with_suffix('.jsonl.run').exists()
 
 
 def test_a_hundred_thousand_legs_are_played_and_their_events_scrolled(browser, pages):

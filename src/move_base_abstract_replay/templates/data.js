@@ -131,4 +131,14 @@ class Run {
   eventsUntil(time) {
     return upperBound(this.event_time, time, 0, this.events);
   }
+
+  // The command that leads to a time in the debugger, and at an event to the row before it; '' if it has none.
+  debugCommand(time) {
+    if (!this.debug || time <= this.begin) return this.debug;
+    const count = this.eventsUntil(time), isEvent = count > 0 && this.event_time[count - 1] === time;
+    const before = isEvent ? this.eventsUntil(time - 1) : count;
+    if (isEvent && this.is_whole) return before ? `${this.debug} --row ${before}` : this.debug;
+    const from = isEvent ? Math.max(time - NS_PER_S / 10, this.begin) : time;
+    return from > this.begin ? `${this.debug} --at ${+(from / NS_PER_S).toFixed(9)}` : this.debug;
+  }
 }

@@ -8,6 +8,9 @@ class EventList {
     this.spacer = element.querySelector('.spacer');
     this.count = element.querySelector('.count');
     this.search = element.querySelector('input[type=search]');
+    this.debug = element.querySelector('.debug');
+    [this.copier, this.command] = this.debug.children;
+    this.copier.addEventListener('click', () => this.copy());
     Object.assign(this, {player, pool: [], picked: null, indices: null});
     this.scroller.addEventListener('scroll', () => this.draw());
     this.scroller.addEventListener('keydown', (event) => this.key(event));
@@ -43,8 +46,7 @@ class EventList {
     this.count.textContent = wanted ? `${grouped(String(this.length))} of ${all}` : `${all}`;
     this.spacer.style.height = `${Math.min(this.length * EVENT_ROW, MOST_PIXELS)}px`;
     this.picked = null;
-    this.center();
-    this.draw();
+    this.update();
   }
 
   matching(run, wanted) {
@@ -107,8 +109,17 @@ class EventList {
   }
 
   update() {
+    this.command.value = this.run.debugCommand(this.player.time);
+    this.debug.hidden = !this.command.value;
+    this.copier.textContent = 'Debug here';
     this.center();
     this.draw();
+  }
+
+  // Copy the command that leads here in the debugger. The clipboard's own interface is missing in some pages of files.
+  copy() {
+    this.command.select();
+    if (document.execCommand('copy')) this.copier.textContent = 'Copied';
   }
 
   draw() {

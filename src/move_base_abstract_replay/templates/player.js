@@ -94,7 +94,7 @@ class Player {
       ',': () => this.events.step(-1), '.': () => this.events.step(1),
       '[': () => this.faster(-1), ']': () => this.faster(1), d: () => this.jump(), t: () => this.trails.click(),
       f: () => this.fit.click(), p: () => this.picture.click(), '+': () => this.closer.click(), '-': () => this.wider.click(), 0: () => this.all.click(),
-      '/': () => this.events.search.focus(), Escape: () => this.choose(null),
+      b: () => this.events.copier.click(), '/': () => this.events.search.focus(), Escape: () => this.choose(null),
     };
     if (!Object.hasOwn(actions, event.key) || (event.key === ' ' && event.target.closest('button, summary'))) return;
     event.preventDefault();
