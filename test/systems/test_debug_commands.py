@@ -76,6 +76,19 @@ class DebugCommandsTest(OwnPackage, unittest.TestCase):
         self.assertEqual(len(failures), 1, failures)
         self.check_before(failures[0])
 
+    def test_the_page_of_the_run_so_far_opens_at_the_present_instant(self):
+        browser = self.write('browser', '#!/bin/sh\necho "$1" >> {}/opened\n'.format(self.folder), 0o755)
+        for screen in ({'DISPLAY': ':9'}, {'DISPLAY': '', 'WAYLAND_DISPLAY': ''}):
+            done = subprocess.run(
+                [find_executable('debug'), self.file, '--at', '1'], input='replay\nrun 1.25\nreplay\n',
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=self.folder, timeout=GUARD, text=True, check=False,
+                env={**self.environment, **screen, 'BROWSER': browser + ' %s'})
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)  # --at is where it stands
+            addresses = [line for line in done.stdout.splitlines() if line.startswith('file://')]
+            self.assertEqual([one.partition('replay.html')[2] for one in addresses], ['#t=1', '#t=2.25'], done.stderr)
+        with open(self.path('opened')) as stream:
+            self.assertEqual(len(stream.read().splitlines()), 2)  # with the screen
+
     def test_compare_leads_to_the_row_before_the_first_difference(self):
         for last in (1, 2):
             self.launch(f'{last}.jsonl', '--log-messages', '--end-when-idle', self.file, f'last:={last}', code=3)

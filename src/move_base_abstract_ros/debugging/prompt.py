@@ -11,7 +11,7 @@ from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.kinds import similar
 from move_base_abstract.common.shown import shown
 
-from . import answers, state_words, stop_words
+from . import answers, replay_page, state_words, stop_words
 from .answers import Answer
 from .node_commands import NodeCommands
 from .session import Session
@@ -259,6 +259,13 @@ class Prompt(NodeCommands, cmd.Cmd):
         name = _absolute(parts[0]) if parts else ''
         is_node = name in self._nodes()
         self._give(answers.messages(self.session.run.recent('' if is_node else name, name if is_node else '', count)))
+
+    def do_replay(self, words: str) -> None:
+        """`replay`: make the page of the run so far (replay.md), and open it at this instant if there is a screen."""
+        _none('replay', words)
+        run = self.session.run
+        address = replay_page.open_page(run.log.path, run.folder, run.now_ns)
+        self.tell([address], {'address': address})
 
     def do_quit(self, words: str) -> bool:
         """`quit`: end the run and all of its processes. The end of the input does the same."""
