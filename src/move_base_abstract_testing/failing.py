@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence
 from move_base_abstract.common.shown import pasted
 from move_base_abstract.faults import buggify
 from move_base_abstract.lockstep import replay_file
-from move_base_abstract.runs import ends, event_log
+from move_base_abstract.runs import debug_command, ends, event_log, run_file
 from move_base_abstract.runs.built_in import Broken
 from move_base_abstract_ros.launching.bags import digest
 from move_base_abstract_ros.launching.outputs import Files
+
+from . import debugged
 
 if TYPE_CHECKING:
     from .system_under_test import Lockstep
@@ -39,14 +41,18 @@ def tell(item: Any, system: Lockstep, reports: Sequence[Any]) -> None:
         text = ''
     bad = next((one for one in reports if one.failed), None)
     if bad is not None and system.has_run:
-        lines = [*text.splitlines(), *_of_nodes(system, broken), *_of_chaos(item, system, bad, broken)]
+        lines = [*text.splitlines(), *_of_nodes(system, broken), *_of_chaos(item, system, bad, broken),
+                 *_of_debugger(item, system, broken)]
         bad.sections += [(TITLE, '\n'.join(lines))] if lines else []
 
 
 def again(item: Any) -> str:
     """Return the command that runs a test again, from the folder in which pytest was started."""
-    path, name = os.path.relpath(str(item.fspath), _start_of(item)), item.nodeid.partition('::')[2]
-    return 'python3 -m pytest -p move_base_abstract_testing ' + pasted(f'{path}::{name}')
+    return 'python3 -m pytest -p move_base_abstract_testing ' + pasted(_id(item))
+
+
+def _id(item: Any) -> str:
+    return '{}::{}'.format(os.path.relpath(str(item.fspath), _start_of(item)), item.nodeid.partition('::')[2])
 
 
 def _start_of(item: Any) -> str:
@@ -132,6 +138,17 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
         [], options.chaos_seed, options.chaos_delay, [], broken[0].property if broken else 'test', text,
         happened=said, sha256=digest(log)[1], starts=options.chaos_starts, test=[_start_of(item), '{}::{}'.format(
             str(item.fspath), item.nodeid.partition('::')[2])]))
+
+
+def _of_debugger(item: Any, system: Lockstep, broken: Sequence[Broken]) -> Iterator[str]:
+    """Yield the command that leads to before the fault in the debugger, and write what it needs beside the log."""
+    log = os.path.join(system.folder, 'events.jsonl')
+    if debugged.asked() or not os.path.exists(log):
+        return
+    run_file.write(log, run_file.of_run([_id(item)], _start_of(item), system.environment,
+                                        [str(item.fspath), *system.files], debugged.PROGRAM))
+    end, _ = ends.read_log(log).departures.get('/test', (None, False))
+    yield 'before that, in the debugger: ' + debug_command.of_log(log, [one.instant_ns for one in broken] or [end])
 
 
 def _decisions(path: str, log: str, until_ns: Optional[int]) -> List[Dict[str, Any]]:

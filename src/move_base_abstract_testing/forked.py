@@ -14,9 +14,10 @@ from move_base_abstract.common import guard, processes, temporary
 from move_base_abstract.common.shown import pasted
 from move_base_abstract.runs import event_log
 
-from . import failing
+from . import debugged, failing
 
 WALL_LIMIT_S = 120.0
+_LOOKED_AT_S = 1e8  # wall; for a test that somebody debugs
 _GRACE_S = 1.0  # wall, from the fork's reports to its end
 _CALL = 'call'
 _PIECE = 1 << 16
@@ -29,9 +30,10 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
 
     :param wall_limit: how long one run may take [s, wall].
     """
-    folder = temporary.make('test_')
+    folder, is_debugged = temporary.make('test_'), debugged.asked() is not None
+    wall_limit = _LOOKED_AT_S if is_debugged else wall_limit
     reports = _run(item, os.path.join(folder, 'run_1'), wall_limit)
-    if _is_good(reports) and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
+    if _is_good(reports) and not is_debugged and os.path.exists(os.path.join(folder, 'run_1', 'assert_identical')):
         again = _run(item, os.path.join(folder, 'run_2'), wall_limit)
         problem = '' if _is_good(again) else 'the second run of the test fails:\n{}'.format(
             '\n'.join('\n'.join([str(one.longrepr), *_why(one)]) for one in again if one.failed))
@@ -39,7 +41,7 @@ def reports_of(item: Any, wall_limit: float) -> List[Any]:
         for report in reports:
             if problem and report.when == _CALL:
                 report.outcome, report.longrepr = 'failed', problem
-    if _is_good(reports):
+    if is_debugged or _is_good(reports):
         temporary.remove(folder)
     else:
         temporary.keep(folder)
@@ -92,7 +94,15 @@ def _run(item: Any, folder: str, wall_limit: float) -> List[Any]:
         finally:
             os._exit(code)
     os.close(write)
-    text = _read(read, wall_limit)
+    try:
+        text = _read(read, wall_limit)
+    except KeyboardInterrupt:  # so `debug` ends the run of a test
+        if debugged.asked() is None:
+            raise
+        os.kill(pid, signal.SIGTERM)
+        _end(pid)
+        temporary.remove(os.path.dirname(folder))
+        os._exit(0)
     _end(pid)
     return _reports(item, text, wall_limit, folder)
 

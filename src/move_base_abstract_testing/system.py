@@ -16,14 +16,17 @@ from roslaunch.core import Param, RLException
 from move_base_abstract.common import processes
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
 from move_base_abstract.common.options import parameters_of
+from move_base_abstract.common.own_files import whole_file
 from move_base_abstract.config.settings import read_settings
 from move_base_abstract.radio import network
 from move_base_abstract.runs import ends
+from move_base_abstract_ros.debugging import MASTER_NOTE
 from move_base_abstract_ros.launching import adoption, look_ups, plan, roles
 from move_base_abstract_ros.launching.outputs import Files
 from move_base_abstract_ros.launching.run import Patience, Run, enter
 from move_base_abstract_ros.loopback import PACKAGE
 
+from . import debugged
 from .failing import DECISIONS
 from .settings import DEPARTURE, Settings
 
@@ -41,15 +44,21 @@ class System:
 
         :raises SimulatorError: if a process cannot be started.
         """
-        self.log = os.path.join(folder, 'events.jsonl')
+        self._debugged = debugged.asked()
+        self.log = self._debugged.log if self._debugged else os.path.join(folder, 'events.jsonl')
         self._folder, self._settings = folder, settings
         self._ends: List[ends.End] = []
         enter(folder, folder)
         made = self._plan()
         #: the names of the nodes whose programs are not of this package
         self.nodes_of_user = [roles.name_of(node) for node in made.config.nodes if node.package != PACKAGE]
+        #: the paths of launch files and programs
+        self.files = [*made.config.roslaunch_files, *plan.programs_of(made)]
         self._run = Run(made, self.log, Files(folder), Patience(_BY_THEMSELVES_S, _AFTER_SIGNAL_S), folder)
         self._run.start()
+        if self._debugged:
+            with whole_file(os.path.join(self._debugged.notes, MASTER_NOTE)) as stream:
+                stream.write(self._run.uri)
 
     def _plan(self) -> Any:
         path = os.path.join(self._folder, 'test.launch')
@@ -67,7 +76,8 @@ class System:
             end = {'end_with': [TEST]} if settings.until == DEPARTURE else settings.end
             options = plan.launch_options(settings, {
                 **network.resolve(parameters_of(settings), settings.folder), 'event_log': self.log,
-                'log_messages': settings.log_messages, **end, **decisions, **settings.time_master}, no_respawn=True)
+                'log_messages': settings.log_messages, **end, **decisions, **settings.time_master,
+                **(self._debugged.parameters if self._debugged else {})}, no_respawn=True)
             if settings.adopt:
                 options = adoption.adopted(config, options, read_settings)
             return plan.plan_of(config, options)
@@ -104,7 +114,8 @@ class System:
         A run that ends by itself takes as long as it takes, within the test's ``wall_limit``.
         """
         if not self._ends:
-            self._run.await_end(_OVER_S if self._settings.until == DEPARTURE else math.inf)
+            is_soon = self._settings.until == DEPARTURE and not self._debugged
+            self._run.await_end(_OVER_S if is_soon else math.inf)
             self._ends = ends.judge(self._run.end(), ends.read_log(self.log))
         processes.end_all_children()
         return self._ends

@@ -113,6 +113,8 @@ class Lockstep:
         """
         self.folder = folder
         self.chaos_seed = chaos_seed
+        #: the environment before the run
+        self.environment = dict(os.environ)
         self._base = base
         self._system: Optional[System] = None
         self._settings: Any = None
@@ -254,6 +256,11 @@ class Lockstep:
     def nodes_of_user(self) -> List[str]:
         """The names of the nodes whose programs are not of this package."""
         return self._system.nodes_of_user if self._system is not None else []
+
+    @property
+    def files(self) -> List[str]:
+        """The paths of the launch files and programs of the run."""
+        return self._system.files if self._system is not None else []
 
     def never_held(self) -> List[Tuple[str, str]]:
         """End the run, and return (node, text) of each ``sometimes`` that has not held in it."""

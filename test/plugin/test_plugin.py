@@ -1,5 +1,6 @@
 """The plugin for pytest, as users have it: tests that pass, tests that must fail, and the tests of the examples."""
 import importlib.util
+import json
 import os
 import re
 import signal
@@ -280,7 +281,22 @@ def test_why_a_test_failed_is_what_nodes_raised_and_said_last_and_what_was_late(
 """, said), said
     assert 'the chaos of seed 2 made 1 decision:\n    robot_0 gave its goal up, at 1.8' in said, said
     assert 'talks printed last:\n    it has begun\n' in said
-    assert re.search(r'/late printed last:\n(    goes on [345678]\n){6}-', said), said
+    assert re.search(r'/late printed last:\n(    goes on [345678]\n){6}before that, in ', said), said
+
+
+def test_a_test_that_fails_is_debugged_from_before_the_fault(session):
+    said, folder = session[1:]
+    own = said.partition('_ test_late[chaos_2] _')[2].partition('- lockstep -')[0]
+    command = re.search(r'before that, in the debugger: rosrun move_base_abstract debug (.*)\n', own).group(1)
+    assert re.fullmatch(r'--log \S+/run_1/events.jsonl --at 2.001057043', command), command
+    done = subprocess.run([find_executable('debug'), '--json', *command.split()], cwd='/', check=False, timeout=GUARD,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(folder),
+                          input='until broken\nback 1\nquit\n')
+    start, broken, back = map(json.loads, done.stdout.splitlines())
+    assert (start['time_ns'], broken['broken']['instant_ns'], broken['broken']['node']) == (
+        2001057043, 2101057043, '/late'), done.stderr
+    assert back['rows_so_far'] < broken['rows_so_far'] and back['time_ns'] < 2101057043, done.stderr
+    assert done.returncode == 0, done.stderr  # 5: a row differed
 
 
 def test_the_file_of_a_test_runs_it_again(session):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence
 
 from ..common.errors import ConfigurationError
 from ..common.json_files import load_json_mapping
@@ -31,7 +31,8 @@ class Start(NamedTuple):
     """What started a run.
 
     ``words``: of `lockstep_launch`, without the path of its log; ``folder``: in which it was typed; ``environment``:
-    the variables that count; ``digests``: {path: SHA-256} of launch files and programs; ``version``: of this package.
+    the variables that count; ``digests``: {path: SHA-256} of launch files and programs; ``version``: of this package;
+    ``program``: the words that begin the command in the place of `lockstep_launch`, if it is another one.
     """
 
     words: List[str]
@@ -39,6 +40,7 @@ class Start(NamedTuple):
     environment: Dict[str, str]
     digests: Dict[str, str]
     version: str
+    program: List[str] = []
 
     def environment_again(self, now: Mapping[str, str]) -> Dict[str, str]:
         """Return the environment ``now``, with the variables that count as they were then."""
@@ -56,12 +58,13 @@ class Start(NamedTuple):
                 yield '{} {}'.format(path, 'has changed since' if now else 'is not there any more')
 
 
-def of_run(words: List[str], folder: str, environment: Mapping[str, str], paths: Iterable[str]) -> Start:
+def of_run(words: List[str], folder: str, environment: Mapping[str, str], paths: Iterable[str],
+           program: Sequence[str] = ()) -> Start:
     """Return the Start of a run. ``paths``: those of its launch files and programs."""
     digests = {path: _digest(path) for path in sorted(set(paths))}
     named = [name for path in digests if path.endswith(_LAUNCH_FILES) for name in _names_in(path)]
     return Start(words, folder, {name: environment[name] for name in sorted(environment) if _counts(name, named)},
-                 digests, package_version())
+                 digests, package_version(), list(program))
 
 
 def _counts(name: str, named: Iterable[str]) -> bool:
@@ -116,7 +119,7 @@ def read(log: str) -> Start:
         raise ConfigurationError('{}: must say what started a run, in format {}; got {}'.format(
             path, FORMAT, shown(content.get('run_of_log'))))
     checks: Dict[str, Any] = {'words': _are_texts, 'folder': _is_text, 'environment': _is_table, 'digests': _is_table,
-                              'version': _is_text}
+                              'version': _is_text, 'program': _are_texts}
     for key, is_fit in checks.items():
         if not is_fit(content.get(key)):
             raise ConfigurationError('{}: {} must be as lockstep_launch writes it; got {}'.format(

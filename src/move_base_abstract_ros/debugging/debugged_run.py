@@ -32,11 +32,12 @@ _NS = 10 ** 9
 class DebuggedRun:
     """A run of `lockstep_launch` with ``words``. ``folder``: a new folder for this run alone; ``log``: its event log.
 
-    ``program``: the path of lockstep_launch; ``cwd``: its working folder; ``environment``: its variables; ``places``:
-    breakpoints. ``meet`` is called with news of nodes that somebody debugs; it returns when they go on.
+    ``program``: the words that begin lockstep_launch, or what takes its place; ``cwd``: its working folder;
+    ``environment``: its variables; ``places``: breakpoints. ``meet`` is called with news of nodes that somebody debugs;
+    it returns when they go on.
     """
 
-    def __init__(self, program: str, words: List[str], folder: str, cwd: str, environment: Dict[str, str],
+    def __init__(self, program: Sequence[str], words: List[str], folder: str, cwd: str, environment: Dict[str, str],
                  log: str, places: Sequence[Place] = ()) -> None:
         os.mkdir(folder, 0o700)
         self.nodes = NodeSessions(folder, places)
@@ -51,7 +52,7 @@ class DebuggedRun:
         # It ends with us, in a session of its own: Ctrl-C at the prompt is not for it. Our answers stand alone on our
         # standard output.
         self._process = subprocess.Popen(
-            [setpriv, '--pdeathsig', 'TERM', '--', program, '--debugged', '--notes', folder, '--event-log', log,
+            [setpriv, '--pdeathsig', 'TERM', '--', *program, '--debugged', '--notes', folder, '--event-log', log,
              *words], stdin=subprocess.DEVNULL, stdout=2, cwd=cwd, env={**environment, **self.nodes.environment},
             start_new_session=True)
 

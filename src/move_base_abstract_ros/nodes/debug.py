@@ -92,13 +92,14 @@ def _session(options, run, folder):
     from ..debugging.debugged_run import DebuggedRun
     from ..debugging.log_so_far import LogSoFar
     from ..debugging.session import Session
-    program, log, known = find_executable('lockstep_launch'), '', None
+    program, log, known = [find_executable('lockstep_launch')], '', None
     if run is not None:
         words, cwd, environment = launched.words_again(run), os.getcwd(), dict(os.environ)
         log = os.path.abspath(run.one.event_log) if run.one.event_log else ''
     else:
         start, known = run_file.read(options.log), LogSoFar(os.path.abspath(options.log))
         words, cwd, environment = start.words, start.folder, start.environment_again(os.environ)
+        program = start.program or program
         known.read()
         for line in start.changes():
             print('debug: ' + line, file=sys.stderr)

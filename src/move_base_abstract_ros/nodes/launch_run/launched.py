@@ -20,11 +20,10 @@ from move_base_abstract.properties import Judgement, Run, judgement_on
 from move_base_abstract.radio import network
 from move_base_abstract.runs import debug_command, ends, error_lines, run_file
 
-from ...debugging import MASTER_NOTE
+from ...debugging import MASTER_NOTE, PARAMETERS
 from ...launching import command_line, warm_nodes
 
 _GOOD, _BAD, _CANNOT, _CRASHED, _BROKEN = range(5)
-_KEPT = 20  # messages of each topic of a debugged run
 #: parts of errors of launch files that were written for something that is not here
 _OF_OTHERS = ('publishes /clock', 'programs are not here', 'does not exist', 'unknown machine', 'environment variable')
 _OF_ROSLAUNCH = 'No such file'  # in an error of ours, the file is one that the user names
@@ -207,7 +206,7 @@ def _why_no_displays():
 
 def _parameters_of(options):
     """Return the time master's parameters."""
-    given = (*((('start_stopped', True), ('keep_messages', _KEPT)) if options.debugged else ()),
+    given = (*(PARAMETERS.items() if options.debugged else ()),
              ('event_log', options.event_log and os.path.abspath(options.event_log)),
              ('message_bytes', options.message_bytes), ('end_when_idle', options.check),
              *((f'note_of_{one}', os.path.join(options.notes, one)) for one in ('start', 'end')))
