@@ -45,7 +45,11 @@ def log(*events, **end):
 
 def found(result, *events, wanted=(), **end):
     failure = failures.of_run(failures.evidence_of(result, log(*events, **end)), wanted)
-    return failure and tuple(failure)
+    return failure and tuple(failure[:2])
+
+
+def at(result, *events, **end):
+    return failures.of_run(failures.evidence_of(result, log(*events, **end))).instant_ns
 
 
 def complete(**others):
@@ -70,6 +74,18 @@ def test_what_fails_a_run():
     assert found(complete(), ended_by='end_at', open_goals=OPEN) is None
     assert found(Result('0000-a', error='it was not over')) == ('unfinished', 'it was not over')
     assert failures.of_run(failures.evidence_of(Result('0000-a', error='no log'), None)).name == 'unfinished'
+
+
+def test_each_failure_has_its_instant_if_it_is_known():
+    told = {'time_ns': 1500000000, 'robot': '/monitor', 'kind': 'property', 'values': ['always', 'one owner', 'broken']}
+    empty = {'time_ns': 1700000000, 'robot': 'robot_1', 'kind': 'battery', 'values': [0.0, 'empty']}
+    assert (at(complete(), told), at(complete(), empty)) == (1500000000, 1700000000)
+    one, other = ({'node': name, 'crashed': True, 'at': at} for name, at in (('/b', 1.0), ('/a', 41.300000001)))
+    crash = '/a crashed at 41.300000001 s: exit code 3'
+    assert at(complete(crashes=[crash], ends=[one, other])) == 41300000001
+    assert at(complete(crashes=[crash], ends=[{**other, 'at': None}])) is None
+    assert at(Result('0000-a', error='x'), ended_by='deadlock', at_ns=7) == 7
+    assert at(Result('0000-a', error='x'), at_ns=8) == 8
 
 
 def test_only_what_is_wanted_counts():
@@ -211,11 +227,22 @@ def test_a_replay_is_read_as_it_was_written(tmp_path):
     assert words_of(made(starts=0.5).run)[4:6] == ['--chaos-starts', '0.5']
 
 
+def test_a_failure_is_debugged_with_the_seed_and_the_decisions_that_it_needs():
+    begin, end = 'rosrun move_base_abstract debug ', '/x.launch robots:=3'
+    assert made(starts=0.5).debug_command(41300000000) == (
+        f'{begin}--end-when-idle --chaos-seed 7 --chaos-delay 0.05 --chaos-starts 0.5 --chaos-only {NAMES[1]} {end} '
+        '--at 41.2')
+    assert made(only=[]).debug_command(None) == (
+        f'{begin}--end-when-idle --chaos-seed 7 --chaos-delay 0.05 --chaos-only none {end}')
+    assert made(seed=0, document={'until': 30.0}).debug_command(41300000000) == (
+        f'{begin}--end-when-idle --until 30 {end} --at 41.2')
+
+
 @pytest.mark.parametrize(('number', 'until'), [(1, 31.0), (2, 30.0)])
 def test_a_replay_of_an_earlier_release_ends_where_it_ended_and_starts_all_together(tmp_path, number, until):
     path = tmp_path / 'chaos.json'
     of_then = {key: value for key, value in vars(made(document={'until': 30.0})).items() if key not in (
-        'test', 'starts', 'count')}
+        'test', 'starts', 'count', 'debug')}
     path.write_text(json.dumps({'chaos': number, **of_then}))
     read = replay_file.read(str(path))
     assert (read.run.until, read.run.chaos_starts, read.count, read.test) == (until, 0.0, {}, [])
@@ -227,7 +254,7 @@ def test_a_replay_of_an_earlier_release_ends_where_it_ended_and_starts_all_toget
     ({'test': ['/a']}, 'test must be a folder and'),
     ({'test': 'a'}, 'test must be as `chaos` writes it'),
     ({'test': [1, 2]}, 'test must be a list of texts'),
-    ({'starts': '1'}, 'starts must be'), ({'count': []}, 'count must be'),
+    ({'starts': '1'}, 'starts must be'), ({'debug': 1}, 'debug must be'), ({'count': []}, 'count must be'),
     ({'document': {'param': 3}}, 'param: got 3')])
 def test_a_file_that_is_none_is_refused(tmp_path, change, says):
     path = tmp_path / 'chaos.json'

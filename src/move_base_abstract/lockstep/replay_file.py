@@ -3,15 +3,16 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass, field
-from typing import Any, Dict, List
+from dataclasses import dataclass, field, replace
+from typing import Any, Dict, List, Optional
 
 from ..common import options
 from ..common.errors import ConfigurationError
 from ..common.json_files import load_json_mapping
 from ..common.own_files import check_file, whole_file
 from ..common.shown import shown
-from .run_options import ALLOW, RunOptions
+from ..runs import debug_command
+from .run_options import ALLOW, FAIL, RunOptions
 
 FORMAT = 3
 #: the environment variable with the path of this file for a test that is run again
@@ -37,6 +38,7 @@ class Replay:
     test: List[str] = field(default_factory=list)  # the folder in which pytest was started, and the test's id
     starts: float = 0.0  # the largest lateness of a node's start [s, simulated]
     count: Dict[str, Any] = field(default_factory=dict)  # the fields of a Count of chaos; {}: no seeds were counted
+    debug: str = ''  # the command that leads to before the failure in the debugger; it is for people
 
     @property
     def run(self) -> RunOptions:
@@ -48,6 +50,11 @@ class Replay:
                  'chaos_only': self.only or ['none']}
         return options.read(RunOptions, '', {**self.document, 'crashes': ALLOW, 'properties': [],
                                              **(chaos if self.seed else {})})
+
+    def debug_command(self, instant_ns: Optional[int]) -> str:
+        """Return the command that leads to before a failure at this instant [ns, None: unknown] in the debugger."""
+        asked = replace(self.run, crashes=FAIL)
+        return debug_command.of_run(['--end-when-idle', *options.words_of(asked), *self.launch], [instant_ns])
 
 
 def said(decision: Dict[str, Any]) -> str:
@@ -75,10 +82,11 @@ def read(path: str) -> Replay:
     if content.get('chaos') not in (FORMAT, _WITHOUT_STARTS, _DURATIONS):
         raise ConfigurationError(f"{path}: is not a file of chaos of format {FORMAT}; got "
                                  f"{shown(content.get('chaos'))}")
-    content = {'test': [], 'starts': 0.0, 'count': {}, **content}  # files of earlier releases have none
+    content = {'test': [], 'starts': 0.0, 'count': {}, 'debug': '', **content}  # files of earlier releases have none
     fields: Dict[str, Any] = {
         'launch': list, 'seed': int, 'delay': (int, float), 'only': list, 'failure': str, 'text': str,
-        'document': dict, 'happened': list, 'sha256': str, 'test': list, 'starts': (int, float), 'count': dict}
+        'document': dict, 'happened': list, 'sha256': str, 'test': list, 'starts': (int, float), 'count': dict,
+        'debug': str}
     for key, kind in fields.items():
         if not isinstance(content.get(key), kind) or isinstance(content[key], bool):
             raise ConfigurationError(f'{path}: {key} must be as `chaos` writes it; got {shown(content.get(key))}')

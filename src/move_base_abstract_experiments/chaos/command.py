@@ -208,10 +208,12 @@ def _tell(runs: Runs, found: RunResult, made: Replay, output: str) -> int:
     made.only = [decision['name'] for decision in shrunk.decisions]
     made.failure, made.text, made.sha256 = shrunk.failure.name, shrunk.failure.text, shrunk.digest
     made.happened = [replay_file.said(decision) for decision in shrunk.decisions]
+    made.debug = made.debug_command(shrunk.failure.instant_ns)
     for line in made.happened:
         _say('  ' + line)
     replay_file.write(output, made)
     _say(f'run it again: rosrun move_base_abstract chaos --replay {pasted(output)}')
+    _say(f'before that, in the debugger: {made.debug}')
     if made.count:
         _say(f'after a repair, count again: rosrun move_base_abstract chaos --count --replay {pasted(output)}')
     return FAILED
@@ -237,7 +239,10 @@ def _replay(made: Replay) -> int:
         told = runs.one(RunRequest(made.seed, tuple(made.only)))
     for line in made.happened:
         _say('  ' + line)
-    return _compared(made, None if told.failure is None else told.failure.text, told.digest)
+    code = _compared(made, None if told.failure is None else told.failure.text, told.digest)
+    if told.failure is not None:
+        _say(f'before that, in the debugger: {made.debug_command(told.failure.instant_ns)}')
+    return code
 
 
 def _count_again(options: argparse.Namespace, made: Replay) -> int:

@@ -16,10 +16,14 @@ PROPERTIES = tuple(name for name in BUILT_IN if name not in ('no_crash', 'no_exc
 
 
 class Failure(NamedTuple):
-    """A property that failed. ``name``: equal in all runs that fail in this way; ``text``: what happened, and when."""
+    """A property that failed. ``name``: equal in all runs that fail in this way; ``text``: what happened, and when.
+
+    ``instant_ns``: when [ns, simulated], None: unknown.
+    """
 
     name: str
     text: str
+    instant_ns: Optional[int] = None
 
 
 class Evidence(NamedTuple):
@@ -53,20 +57,23 @@ def _broken_properties(run: Evidence) -> Iterator[Failure]:
     for one in run.judged.broken:
         if one.property in statements.KINDS:
             yield Failure(one.text, f'{one.property}: {one.text}, said by {one.node}{_at(one.instant_ns or 0)}'
-                          + (f': {", ".join(one.details)}' if one.details else ''))
+                          + (f': {", ".join(one.details)}' if one.details else ''), one.instant_ns)
 
 
 def _crashes(run: Evidence) -> Iterator[Failure]:
     """Yield the crashes: a node ended by a signal or with an exit code other than 0, or had an uncaught exception."""
+    instants = {one['node']: one['at'] for one in run.result.ends if one['crashed']}
     for text in run.result.crashes:
-        yield Failure(f'crash {text.split(" ")[0]}', text)
+        node = text.split(' ')[0]
+        at = instants.get(node)  # s
+        yield Failure(f'crash {node}', text, None if at is None else round(at * 1e9))
 
 
 def _ended_by(name: str) -> Callable[[Evidence], Iterator[Failure]]:
     """Return what yields a Failure of this name if the end record says that the run was ended by that."""
     def find(run: Evidence) -> Iterator[Failure]:
         if run.end.get('ended_by') == name:
-            yield Failure(name, str(run.end.get('reason', '')))
+            yield Failure(name, str(run.end.get('reason', '')), run.end.get('at_ns'))
     return find
 
 
@@ -74,13 +81,13 @@ def _built_in(run: Evidence) -> Iterator[Failure]:
     """Yield the broken built-in properties: robots that wait for each other, goals that never end, overfull places."""
     for one in run.judged.broken:
         if one.property in PROPERTIES:
-            yield Failure(one.property, one.words())
+            yield Failure(one.property, one.words(), one.instant_ns)
 
 
 def _unfinished(run: Evidence) -> Iterator[Failure]:
     """Yield a Failure if the run did not come to its end."""
     if not run.result.is_complete:
-        yield Failure('unfinished', str(run.result.error))
+        yield Failure('unfinished', str(run.result.error), run.end.get('at_ns'))
 
 
 class Kind(NamedTuple):
