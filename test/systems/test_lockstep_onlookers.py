@@ -73,7 +73,7 @@ MISSING = '<node pkg="study_of_others" type="{}" name="missing"/>'
 NODES = {
     **dict.fromkeys(('dispatcher', 'fleet', 'map_server', 'move_base', 'move_base_abstract_actionserver', 'task_server',
                      'task_source', 'velocity_robot'), 'itself'),
-    **dict.fromkeys(('calibrate', 'chaos', 'compare', 'demo', 'experiment', 'fleet_report', 'help', 'lockstep',
+    **dict.fromkeys(('calibrate', 'chaos', 'compare', 'debug', 'demo', 'experiment', 'fleet_report', 'help', 'lockstep',
                      'lockstep_launch', 'mapf', 'old', 'replay', 'scenario', 'verify'),
                     'it is a command of this package, and no node'),
     'why': 'it only displays'}

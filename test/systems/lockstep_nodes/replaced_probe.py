@@ -18,6 +18,7 @@ import signal  # noqa: F401
 import socket  # noqa: F401
 import sys
 import tempfile  # noqa: F401
+import traceback  # noqa: F401
 import types
 from importlib.machinery import SourceFileLoader
 
@@ -31,7 +32,8 @@ from move_base_abstract_ros.replacing import replaced
 
 WATCHED = ('rospy', 'actionlib', 'rosgraph', 'roslib', 'threading', 'time', 'queue', 'uuid', 'logging', 'random',
            'os', '_thread', 'tempfile', 'select', 'signal', 'resource', 'concurrent', '_posixsubprocess', 'gc',
-           'asyncio', 'xmlrpc', 'getpass', '_imp', 'platform', 'shutil', 'selectors', 'socket')
+           'asyncio', 'xmlrpc', 'getpass', '_imp', 'platform', 'shutil', 'selectors', 'socket',
+           'traceback')
 FUNCTIONS = (types.FunctionType, types.BuiltinFunctionType, type, classmethod, staticmethod, property)
 
 
