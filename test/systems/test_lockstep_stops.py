@@ -79,8 +79,8 @@ class Stops(unittest.TestCase):
         self.check(plain, run)
         self.assertIn('nodes may be up to 0.05 s further', run.stops[0]['reason'])
 
-    def test_a_run_with_chaos_and_delays_is_the_same(self):
-        clock = {'chaos_seed': 3, 'chaos_delay': 0.05}
+    def test_a_run_with_chaos_delays_and_late_starts_is_the_same(self):
+        clock = {'chaos_seed': 3, 'chaos_delay': 0.05, 'chaos_starts': 3.0}
         plain = run_once(**clock)
         self.check(plain, stopped(plain, **clock))
 

@@ -21,7 +21,16 @@ from std_srvs.srv import Trigger
 from waiting import GUARD, wait_for
 
 from move_base_abstract.msg import TimeState
-from move_base_abstract.srv import AcquireHold, ReleaseHold, RunUntil, SetFactor, Step
+from move_base_abstract.srv import (
+    AcquireHold,
+    RecentMessages,
+    ReleaseHold,
+    RunUntil,
+    SetFactor,
+    SetLooking,
+    Step,
+    StopWhen,
+)
 from move_base_abstract_ros.loopback import find_executable
 from move_base_abstract_ros.time_master_client import TimeMasterClient, TimeMasterError
 
@@ -191,6 +200,16 @@ class TimeMasterTest(unittest.TestCase):
         self.assertEqual(self.end_of(target), target)
 
     # ---- holds ----
+
+    def test_what_a_debugger_asks_for_is_refused_and_the_answer_says_what_serves_instead(self):
+        for name, kind, instead in (('stop_when', StopWhen, 'use pause, step or run_until'),
+                                    ('recent', RecentMessages, 'use rostopic echo'),
+                                    ('looking', SetLooking, 'attach a debugger')):
+            answer = rospy.ServiceProxy('/time_master/' + name, kind)()
+            self.assertFalse(answer.success)
+            self.assertIn('{}: only in lockstep'.format(name), answer.message)
+            self.assertIn(instead, answer.message)
+            self.assertIn('rosrun move_base_abstract debug', answer.message)
 
     def test_several_holders_keep_the_clock_busy_until_the_last_lets_go(self):
         self.client.set_factor(10.0)
