@@ -133,14 +133,13 @@ void LockstepRun::beChaotic() {
 /** @brief Let nodes, and links between them, start late. */
 void LockstepRun::startLate() {
   starts_ = std::make_unique<chaos::Starts>(decisions, toNanoseconds(settings.chaos_starts));
-  rounds.members().setLateness([this](const MemberState& member) {
-    return starts_->ofNode(rounds.now(), member.name);
-  });
-  router.setLateLinks([this](std::string_view publisher, std::string_view subscriber,
-                             std::string_view topic) {
-    const Nanoseconds late = starts_->ofLink(rounds.now(), publisher, subscriber, topic);
-    return late == 0 ? 0 : addSaturated(rounds.now(), late);
-  });
+  rounds.members().setLateness(
+      [this](const MemberState& member) { return starts_->ofNode(rounds.now(), member.name); });
+  router.setLateLinks(
+      [this](std::string_view publisher, std::string_view subscriber, std::string_view topic) {
+        const Nanoseconds late = starts_->ofLink(rounds.now(), publisher, subscriber, topic);
+        return late == 0 ? 0 : addSaturated(rounds.now(), late);
+      });
   followArrivals();
 }
 

@@ -98,7 +98,8 @@ class VerifyTest(OwnPackage, unittest.TestCase):
         self.assertIn('rosrun move_base_abstract replay {0}/1_plain/events.jsonl {0}/2_again/events.jsonl\n'.format(
             folder), said)
         self.assertEqual(sorted(os.listdir(folder)), ['1_plain', '2_again'])
-        self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {'events.jsonl', 'output.txt', 'ros_log'})
+        self.assertEqual(set(os.listdir(os.path.join(folder, '1_plain'))), {
+            'events.jsonl', 'events.jsonl.run', 'output.txt', 'ros_log'})
 
     def test_a_system_that_crashes_is_not_called_identical(self):
         self.write('breaks.py', BREAKS, 0o755)

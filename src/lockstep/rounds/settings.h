@@ -47,9 +47,9 @@ struct LockstepSettings {
   std::string secret;                    // which each HELLO must have; empty: none
   // The seed of another legal order of equal events; 0: the stated order. Not with a lookahead.
   std::uint32_t chaos_seed = 0;
-  double chaos_delay = 0.0;  // s simulated, the longest delay of a message, 0 to 1000
+  double chaos_delay = 0.0;   // s simulated, the longest delay of a message, 0 to 1000
   double chaos_starts = 0.0;  // s simulated, the longest lateness of a node's start, 0 to 1000
-  std::string chaos_only;    // the decisions to apply, see chaos::decisionsOf()
+  std::string chaos_only;     // the decisions to apply, see chaos::decisionsOf()
   bool keeps_decisions = false;
 };
 

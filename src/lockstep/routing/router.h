@@ -272,8 +272,8 @@ class MessageRouter {
   Place place_;
   Trace trace_;
   StoredTopics stored_;
-  bool is_lost_ = false;                      // whether the latest passage was lost
-  Carriage* carriage_ = nullptr;              // null: everything arrives at once
+  bool is_lost_ = false;          // whether the latest passage was lost
+  Carriage* carriage_ = nullptr;  // null: everything arrives at once
   LateLinks late_links_;
   std::set<std::string, std::less<>> texts_;  // names, types and definitions; never freed
   std::unordered_map<std::string_view, std::string_view> definitions_;  // by md5
