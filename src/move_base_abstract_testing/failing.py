@@ -6,12 +6,12 @@ import json
 import os
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence
 
+from move_base_abstract.common.input_files import sha256_of
 from move_base_abstract.common.shown import pasted
 from move_base_abstract.faults import buggify
 from move_base_abstract.lockstep import replay_file
 from move_base_abstract.runs import debug_command, ends, event_log, run_file
 from move_base_abstract.runs.built_in import Broken
-from move_base_abstract_ros.launching.bags import digest
 from move_base_abstract_ros.launching.outputs import Files
 
 from . import debugged
@@ -136,7 +136,7 @@ def _of_chaos(item: Any, system: Lockstep, bad: Any, broken: Sequence[Broken]) -
     text = broken[0].words() if broken else _first_line(bad)
     replay_file.write(os.environ.get(replay_file.VARIABLE) or os.path.join(system.folder, REPLAY), replay_file.Replay(
         [], options.chaos_seed, options.chaos_delay, [], broken[0].property if broken else 'test', text,
-        happened=said, sha256=digest(log)[1], starts=options.chaos_starts, test=[_start_of(item), '{}::{}'.format(
+        happened=said, sha256=sha256_of(log), starts=options.chaos_starts, test=[_start_of(item), '{}::{}'.format(
             str(item.fspath), item.nodeid.partition('::')[2])]))
 
 

@@ -167,7 +167,7 @@ def test_a_count_is_compared_with_that_before_a_repair():
     before = Count((1, 100), 0.05, None, [], dict.fromkeys(range(1, 13), 'crash /a'))
     now = Count((1, 100), 0.05, None, [], {7: 'crash /a', 99: 'deadlock'})
     assert now.compared(before) == [
-        'before: 12 of 100 seeds fail: crash /a (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, ...)',
+        'before: 12 of 100 seeds fail: crash /a (1, 2, 3, 4, 5, 6, 7, 8, 9, 10 and 2 more)',
         'now:    2 of 100 seeds fail: crash /a (7), deadlock (99)', 'these fail now, and did not before: 99']
     assert Count((3, 3), None, None, []).compared(now)[1:] == ['now:    0 of 1 seed fail']
     assert Count((3, 4), None, None, [], {4: 'deadlock'}).said() == '1 of 2 seeds fails: deadlock (4)'

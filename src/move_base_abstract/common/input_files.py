@@ -6,6 +6,7 @@ followed.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
 import os
 import stat
@@ -18,6 +19,7 @@ from .shown import shown_text
 if TYPE_CHECKING:
     from .type_names import StrPath
 
+_PIECE = 1 << 20  # bytes
 _KINDS = ((stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK, 'a socket'))
 
 
@@ -72,3 +74,12 @@ def check_input(path: StrPath, most: Optional[int] = None, error_type: Callable[
     """Check as :func:`open_input` does that ``path`` may be read, for libraries that open it themselves."""
     with open_input(path, most, error_type, what):
         pass
+
+
+def sha256_of(path: str) -> str:
+    """Return the SHA-256 of a regular file's content, in hexadecimal. :raises OSError: if it cannot be read."""
+    found = hashlib.sha256()
+    with open(path, 'rb') as stream:
+        for piece in iter(lambda: stream.read(_PIECE), b''):
+            found.update(piece)
+    return found.hexdigest()

@@ -24,6 +24,11 @@ def seconds_to_ns(seconds: float) -> int:
     return whole * NS_PER_S + int(round((seconds - whole) * NS_PER_S))
 
 
+def exact_seconds(time_ns: int) -> str:
+    """Return a time [ns] that is not negative in seconds, with all nine digits: '41.200000000'."""
+    return '{}.{:09d}'.format(*divmod(time_ns, NS_PER_S))
+
+
 def far_ahead(what: str, due_ns: int, now_ns: int, longest_ns: int = DAY_NS, name: str = 'a day') -> str:
     """Return in words that ``what`` is at ``due_ns`` [ns], more than ``longest_ns`` [ns] ahead of now; '' if it is not.
 

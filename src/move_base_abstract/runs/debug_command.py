@@ -6,6 +6,7 @@ import os
 from typing import Iterable, List, Optional, Sequence
 
 from ..common.shown import pasted
+from ..common.units import exact_seconds
 from . import event_log, run_file
 
 _BEFORE_NS = 10 ** 8  # of simulated time, between the place to which the command leads and the fault
@@ -46,5 +47,5 @@ def _typed(words: Sequence[str], where: List[str]) -> str:
 
 
 def seconds(time_ns: int) -> str:
-    """Return a time [ns] in seconds, exactly: '41.2'."""
-    return '{}.{:09d}'.format(*divmod(time_ns, 10 ** 9)).rstrip('0').rstrip('.')
+    """Return a time [ns] in seconds, exactly and without zeros at the end: '41.2'."""
+    return exact_seconds(time_ns).rstrip('0').rstrip('.')

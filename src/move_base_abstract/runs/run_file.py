@@ -4,12 +4,12 @@ The log itself has nothing of it, because logs of equal runs are equal, whatever
 """
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Sequence
 
 from ..common.errors import ConfigurationError
+from ..common.input_files import sha256_of
 from ..common.json_files import load_json_mapping
 from ..common.own_files import check_file, whole_file
 from ..common.shown import shown
@@ -81,14 +81,10 @@ def _names_in(path: str) -> List[str]:
 
 def _digest(path: str) -> str:
     """Return the SHA-256 of a file, or '' if it cannot be read."""
-    found = hashlib.sha256()
     try:
-        with open(path, 'rb') as stream:
-            for piece in iter(lambda: stream.read(_PIECE), b''):
-                found.update(piece)
+        return sha256_of(path)
     except OSError:
         return ''
-    return found.hexdigest()
 
 
 def write(log: str, start: Start) -> None:

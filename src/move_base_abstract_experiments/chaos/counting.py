@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from move_base_abstract.common.errors import ConfigurationError
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.shown import first_of, shown
 
 from .variation import Variation
 
@@ -65,5 +65,4 @@ def of_file(path: str, told: Dict[str, Any]) -> Count:
 
 
 def _listed(seeds: List[int]) -> str:
-    more = ['...'] if len(seeds) > _MOST_SEEDS else []
-    return ', '.join([*map(str, seeds[:_MOST_SEEDS]), *more])
+    return first_of(list(map(str, seeds)), _MOST_SEEDS)

@@ -12,6 +12,7 @@ import traceback
 from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
 from move_base_abstract.common.errors import ConfigurationError, SimulatorError
+from move_base_abstract.common.input_files import sha256_of
 from move_base_abstract.common.version import package_version
 from move_base_abstract.lockstep.run_options import FAIL
 from move_base_abstract.properties import Run, judgement_on
@@ -157,7 +158,7 @@ def _take_log(folders: Folders, result: Result, starts: metrics.Starts) -> metri
     """Record what the event log of a run says; return its Summary."""
     summary = metrics.summarise(folders.log, starts)
     result.repeatable, result.labels, result.events = summary.repeatable, summary.labels, summary.events
-    result.robots, result.waits, result.log_sha256 = summary.robots, summary.waits, metrics.digest(folders.log)
+    result.robots, result.waits, result.log_sha256 = summary.robots, summary.waits, sha256_of(folders.log)
     return summary
 
 
@@ -264,7 +265,7 @@ def compare(folders: Any, again: Folders) -> Optional[str]:
         return run_difference.told_pair(compared.difference.first, compared.difference.second)[:_LONGEST_ERROR]
     if compared.bags is not None:
         return f'the bags of {compared.bags.node} differ (number {compared.bags.number} of them)'
-    if os.path.exists(folders.messages) and metrics.digest(folders.messages) != metrics.digest(again.messages):
+    if os.path.exists(folders.messages) and sha256_of(folders.messages) != sha256_of(again.messages):
         return f'{run_folders.MESSAGES}: recorded messages differ'
     return None
 

@@ -8,7 +8,6 @@ where it was cut. Robots *meet* in a run that has a row `meets`; each of the two
 """
 from __future__ import annotations
 
-import hashlib
 import math
 import sys
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
@@ -166,15 +165,6 @@ class _Tally:
 def _is_number(value: Any) -> bool:
     """Return whether a value of a row is a finite number."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < sys.float_info.max
-
-
-def digest(path: str) -> str:
-    """Return the SHA-256 of a file, as hex."""
-    found = hashlib.sha256()
-    with open(path, 'rb') as stream:
-        for piece in iter(lambda: stream.read(1 << 20), b''):
-            found.update(piece)
-    return found.hexdigest()
 
 
 class Validity:

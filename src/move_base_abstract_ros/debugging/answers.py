@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Sequence
 
+from move_base_abstract.common.shown import printable
+from move_base_abstract.common.units import exact_seconds
 from move_base_abstract.runs.states import NAMES
 
 from . import state_words
@@ -24,14 +26,9 @@ class Answer(NamedTuple):
     data: Dict[str, Any]
 
 
-def seconds(time_ns: int) -> str:
-    """Return an instant [ns] in seconds, exactly."""
-    return '{}.{:09d}'.format(*divmod(time_ns, 10 ** 9))
-
-
 def row_line(number: int, row: TraceEntry) -> str:
     """Return a row of the log as a line for people."""
-    return 'row {}: {} s: {} {} {}'.format(number, seconds(row.time_ns), row.robot, row.kind, list(row.values))
+    return 'row {}: {} s: {} {} {}'.format(number, exact_seconds(row.time_ns), row.robot, row.kind, list(row.values))
 
 
 def rows(run: DebuggedRun, first: int) -> Answer:
@@ -49,7 +46,7 @@ def place(run: DebuggedRun, rows_before: int, shown: int) -> Answer:
     lines = ['... {} more rows'.format(first - 1 - rows_before)] if first - 1 > rows_before else []
     lines += new.lines
     how = 'the run is over' if run.is_over else state.reason or state.phase
-    lines.append('at {} s, {} rows, round {}: {}'.format(seconds(run.now_ns), count, state.rounds, how))
+    lines.append('at {} s, {} rows, round {}: {}'.format(exact_seconds(run.now_ns), count, state.rounds, how))
     return Answer(lines, {'time_ns': run.now_ns, 'rows_so_far': count, 'round': state.rounds,
                           'phase': 'ended' if run.is_over else state.phase, 'reason': state.reason,
                           'stop_row': state.stop_row, 'new_rows': new.data['rows']})
@@ -80,7 +77,7 @@ def goals(run: DebuggedRun) -> Answer:
                 told.append({'robot': robot.name, 'what': what, 'id': name, 'since_ns': since_ns,
                              'target': target and list(target)})
     lines = ['{robot}: {what} {id}, since {since} s{to}'.format(
-        **one, since=seconds(one['since_ns']),
+        **one, since=exact_seconds(one['since_ns']),
         to=' to ({:.3f}, {:.3f}), yaw {:.3f}'.format(*one['target']) if one['target'] else '') for one in told]
     return Answer(lines or ['the log has no open goal of a robot so far'], {'goals': told})
 
@@ -88,11 +85,11 @@ def goals(run: DebuggedRun) -> Answer:
 def where(run: DebuggedRun) -> Answer:
     """Return what each participant waits for."""
     state = run.state
-    lines = ['{} s, microstep {}: {}'.format(seconds(run.now_ns), state.microstep, state.reason or state.phase)]
+    lines = ['{} s, microstep {}: {}'.format(exact_seconds(run.now_ns), state.microstep, state.reason or state.phase)]
     lines += ['{}: {}'.format(one.name, '; '.join(_waits(one))) for one in state.participants]
     lines += ['{} owes {}, for {:.1f} s of wall time{}'.format(one.name, one.owes, one.since, ', ' * bool(
         one.where) + one.where) for one in state.waiting_for]
-    return Answer([state_words.shown(line) for line in lines], {'state': state_words.as_data(state)})
+    return Answer([printable(line) for line in lines], {'state': state_words.as_data(state)})
 
 
 def _waits(one: Any) -> Iterator[str]:
@@ -101,7 +98,7 @@ def _waits(one: Any) -> Iterator[str]:
         yield 'works'
     if one.mail:
         yield '{} messages are under way to it'.format(one.mail)
-    yield 'wakes up only for a message' if one.never else 'wakes up at {} s'.format(seconds(one.next.to_nsec()))
+    yield 'wakes up only for a message' if one.never else 'wakes up at {} s'.format(exact_seconds(one.next.to_nsec()))
     if one.open:
         yield '{} threads wait without end'.format(one.open)
     if one.waits_for:
@@ -113,8 +110,8 @@ def messages(kept: Sequence[Any]) -> Answer:
     told = [{'time_ns': one.time.to_nsec(), 'kind': one.kind, 'topic': one.topic, 'type': one.type,
              'sender': one.sender, 'receivers': list(one.receivers), 'bytes': len(one.bytes)} for one in kept]
     lines = ['{at} s: {kind} {topic} ({type}) from {sender} to {to}, {bytes} bytes'.format(
-        **one, at=seconds(one['time_ns']), to=', '.join(one['receivers'])) for one in told]
-    return Answer([state_words.shown(line) for line in lines] or ['no message so far'], {'messages': told})
+        **one, at=exact_seconds(one['time_ns']), to=', '.join(one['receivers'])) for one in told]
+    return Answer([printable(line) for line in lines] or ['no message so far'], {'messages': told})
 
 
 def echo(kept: Any) -> Answer:
@@ -123,7 +120,7 @@ def echo(kept: Any) -> Answer:
     told = messages([kept])
     text = '{} bytes: {}'.format(len(kept.bytes), bytes(kept.bytes)[:_MOST_BYTES].hex()) if content is None else (
         str(content))
-    return Answer([told.lines[0], *map(state_words.shown, text.splitlines())],
+    return Answer([told.lines[0], *map(printable, text.splitlines())],
                   {**told.data['messages'][0], 'content': text if content is None else state_words.as_data(content)})
 
 

@@ -12,6 +12,8 @@ import socket
 import threading
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from move_base_abstract.common.units import exact_seconds
+
 from ..lockstep.debugging import VARIABLE
 
 #: (file, line, name of a node or '' for all); file: a path, or its end
@@ -201,9 +203,9 @@ class NodeSessions:
                 node.heard(message['number'])
             else:
                 if word == 'stopped':
-                    self._tell(node, word, '{} stands at {}:{} in {}, at {}.{:09d} s'.format(
+                    self._tell(node, word, '{} stands at {}:{} in {}, at {} s'.format(
                         node.name or node.path, message['file'], message['line'], message['thread'],
-                        *divmod(message['time_ns'], 10 ** 9)))
+                        exact_seconds(message['time_ns'])))
                 node.talk.put(message)
         node.heard(_ALL)
         if not node.is_python:

@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequ
 
 from move_base_abstract.common.errors import SimulatorError
 from move_base_abstract.common.kinds import similar
-from move_base_abstract.common.shown import shown
+from move_base_abstract.common.shown import printable, shown
 
 from . import answers, replay_page, state_words, stop_words
 from .answers import Answer
@@ -130,7 +130,7 @@ class Prompt(NodeCommands, cmd.Cmd):
         if self._is_json:
             print(json.dumps({'command': self._command, **data, **({'said': said} if said else {})}), flush=True)
         else:
-            print('\n'.join(state_words.shown(line) for line in (*said, *lines)), flush=True)
+            print('\n'.join(printable(line) for line in (*said, *lines)), flush=True)
 
     def _refuse(self, text: str) -> None:
         self.has_refused = True

@@ -5,6 +5,8 @@ from typing import Any, Dict, Iterator, List, Sequence
 
 import genpy
 
+from move_base_abstract.common.shown import first_of
+
 from ..process import code_places
 
 HELP = ('what usually helps: a loop that waits for something waits in ROS time (rospy.sleep, rospy.Rate, '
@@ -39,11 +41,6 @@ PHASES = {
     'zero_delay_loop': 'stands still: zero-delay loop',
     'ended': 'stands still: the run is over',
 }
-
-
-def shown(text: str) -> str:
-    """Return a text in which characters that control a terminal or end the line are replaced by their codes."""
-    return ''.join(c if c.isprintable() else c.encode('unicode_escape').decode() for c in text)
 
 
 def as_data(message: Any) -> Dict[str, Any]:
@@ -152,8 +149,7 @@ def _next_lines(state: Any, name: str) -> Iterator[str]:
 
 
 def _some(names: Sequence[str]) -> str:
-    rest = f' and {len(names) - SHOWN} more' if len(names) > SHOWN else ''
-    return ', '.join(names[:SHOWN]) + rest if names else 'none'
+    return first_of(names, SHOWN) or 'none'
 
 
 def _time(time: Any) -> str:

@@ -3,6 +3,7 @@ import itertools
 import os
 
 from move_base_abstract.common.errors import SimulatorError
+from move_base_abstract.common.input_files import sha256_of
 
 from . import message_fields
 
@@ -39,10 +40,9 @@ def told(bag):
 
 def _beside(log, bag):
     """Return the path of a bag that the log describes, in the log's folder or the current one; None if not there."""
-    from . import bags
     for folder in (os.path.dirname(log), ''):
         path = os.path.join(folder, bag['name'])
-        if os.path.isfile(path) and bags.digest(path)[1] == bag['sha256']:
+        if os.path.isfile(path) and sha256_of(path) == bag['sha256']:
             return path
     return None
 
@@ -52,12 +52,11 @@ def find(first, second):
 
     :raises BagError: if a bag cannot be read.
     """
-    from . import bags
     try:
         for path in (first, second):
             if os.path.exists(path) and not os.path.isfile(path):
                 raise BagError('{}: is not a regular file'.format(path))
-        if bags.digest(first) == bags.digest(second):
+        if sha256_of(first) == sha256_of(second):
             return []
         for path in (first, second):
             if os.path.getsize(path) > _MOST_BYTES:

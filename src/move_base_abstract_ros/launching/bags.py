@@ -2,11 +2,11 @@
 
 The digest is that of a bag's bytes. In equal runs a recorder that takes part writes the same bytes.
 """
-import hashlib
 import json
 import os
 from typing import NamedTuple
 
+from move_base_abstract.common.input_files import sha256_of
 from move_base_abstract.common.shown import shown_text
 from move_base_abstract.runs import event_log
 
@@ -52,7 +52,7 @@ def _look_at(node, path):
     if os.path.exists(closed) and not os.path.isfile(closed):
         return Bag(node, closed, 0, '', 'it is not a regular file')
     try:
-        size, sha256 = digest(closed)
+        size, sha256 = os.path.getsize(closed), sha256_of(closed)
         space = os.statvfs(closed)
     except FileNotFoundError:
         return None  # rosbag has removed it, because of --max-splits
@@ -61,16 +61,6 @@ def _look_at(node, path):
     if space.f_bavail * space.f_frsize < _LEAST_SPACE:
         return Bag(node, closed, size, sha256, LITTLE_SPACE)
     return Bag(node, closed, size, sha256, None)
-
-
-def digest(path):
-    """Return (length [bytes], SHA-256 in hexadecimal) of a file."""
-    size, found = 0, hashlib.sha256()
-    with open(path, 'rb') as stream:
-        for block in iter(lambda: stream.read(_BLOCK), b''):
-            size += len(block)
-            found.update(block)
-    return size, found.hexdigest()
 
 
 def lines(bags):

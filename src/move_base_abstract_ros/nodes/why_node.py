@@ -16,6 +16,7 @@ import rosgraph
 import rospy
 
 from move_base_abstract.common.options import POSITIVE
+from move_base_abstract.common.shown import printable
 from move_base_abstract.msg import TimeState
 from move_base_abstract_ros.debugging import state_words
 from move_base_abstract_ros.process import ros_master_watch
@@ -34,7 +35,7 @@ def main(words=None):
     if arguments.json:
         print(json.dumps(state_words.as_data(state), indent=2))
     else:
-        print('\n'.join(map(state_words.shown, state_words.lines(state, arguments.ns))))
+        print('\n'.join(map(printable, state_words.lines(state, arguments.ns))))
 
 
 def _parse(words):
