@@ -62,7 +62,7 @@ def _parse(words):
         if rest:
             parser.error('--log: the file beside the log says what is run; got {} besides'.format(' '.join(rest)))
         return options, None
-    run_parser, run = launched.read_words(rest)  # refuses what lockstep_launch refuses
+    run_parser, run = launched.read_words(rest, 'debug')  # refuses what lockstep_launch refuses
     for name, why in _REFUSED:
         if getattr(run, name, False) or getattr(run.one, name, False):
             parser.error('--{} means nothing here: {}'.format(name.replace('_', '-'), why))

@@ -99,13 +99,13 @@ def _wanted(path):
     return [name for name in dict.fromkeys(asked) if name not in given]
 
 
-def read_words(words):
-    """Return (parser, options) of a command line.
+def read_words(words, program='lockstep_launch'):
+    """Return (parser, options) of the command line of ``program``.
 
     ``options.run``: the RunOptions among them; ``options.one``: the OneRun; ``options.command``: the words after them.
     """
     parser = argparse.ArgumentParser(
-        prog='lockstep_launch', description='Run an unmodified launch file in lockstep. First steps: '
+        prog=program, description='Run an unmodified launch file in lockstep. First steps: '
         '--list FILE says which nodes take part. --adopt --list FILE says what is done with a file for Gazebo, Stage '
         'or real robots. `verify FILE` checks that its runs are the same. `why` says, while it runs, what time waits '
         'for.', usage=command_line.USAGE,
