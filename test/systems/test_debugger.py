@@ -183,7 +183,8 @@ class CommandsTest(Debugger):
 
     def test_words_that_mean_nothing_here_are_refused(self):
         for words, said in ((['--list', self.fault], 'nothing is started'), (['--use-master', self.fault], 'own'),
-                            ([], 'debug: error: a launch file must be given'), (['--log', 'a.jsonl', self.fault], 'besides'),
+                            ([], 'debug: error: a launch file must be given'),
+                            (['--log', 'a.jsonl', self.fault], 'besides'),
                             (['--log', self.path('none.jsonl')], 'lockstep_launch --event-log writes it'),
                             (['nothing.launch'], 'nothing.launch')):
             done = subprocess.run([find_executable('debug'), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
