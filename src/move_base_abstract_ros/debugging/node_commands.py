@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Seque
 from move_base_abstract.common.shown import shown
 
 from .node_sessions import News, Node, Place
+from .stop_words import absolute
 from .stops import Refused
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class NodeCommands:
     def _node(self, words: str, command: str, is_python: bool) -> str:
         """Return the name of a node of this kind. :raises Refused: if there is none, or it is of another kind."""
         known = self.session.run.nodes.nodes
-        name = '/' + words.strip().lstrip('/')
+        name = absolute(words)
         allowed = sorted(one for one, node in known.items() if node.is_python == is_python)
         if name in allowed:
             _refuse_nodelet(name, known[name])
@@ -147,7 +148,7 @@ def _place(words: str) -> Place:
     path = os.path.realpath(file) if os.path.isabs(file) or os.path.isfile(file) else ''
     if path and not os.path.isfile(path):
         raise Refused('there is no file {}'.format(shown(path)))
-    return path or os.path.normpath(file), int(line), '/' + parts[1].lstrip('/') if len(parts) == 2 else ''
+    return path or os.path.normpath(file), int(line), absolute(parts[1]) if len(parts) == 2 else ''
 
 
 def _words_of(place: Tuple[str, int, str]) -> str:

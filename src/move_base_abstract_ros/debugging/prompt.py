@@ -245,9 +245,9 @@ class Prompt(NodeCommands, cmd.Cmd):
         """`echo TOPIC`: the latest message of a topic, or call of a service."""
         if len(words.split()) != 1:
             raise Refused('echo takes the name of a topic or a service; got {}'.format(shown(words)))
-        kept = self.session.run.recent(_absolute(words), '', 1)
+        kept = self.session.run.recent(stop_words.absolute(words), '', 1)
         if not kept:
-            raise Refused('no participant has got a message of {} so far'.format(_absolute(words)))
+            raise Refused('no participant has got a message of {} so far'.format(stop_words.absolute(words)))
         self._give(answers.echo(kept[-1]))
 
     def do_messages(self, words: str) -> None:
@@ -256,7 +256,7 @@ class Prompt(NodeCommands, cmd.Cmd):
         count = stop_words.whole(parts.pop(), 'messages') if parts and parts[-1].isdecimal() else _SHOWN_ROWS
         if len(parts) > 1:
             raise Refused('messages takes [NODE | TOPIC] [N]; got {}'.format(shown(words)))
-        name = _absolute(parts[0]) if parts else ''
+        name = stop_words.absolute(parts[0]) if parts else ''
         is_node = name in self._nodes()
         self._give(answers.messages(self.session.run.recent('' if is_node else name, name if is_node else '', count)))
 
@@ -299,11 +299,6 @@ class Prompt(NodeCommands, cmd.Cmd):
     def complete_help(self, *args: Any) -> List[str]:
         """Return the names of commands that begin like this."""
         return [name for name in self._names() if name.startswith(args[0])]
-
-
-def _absolute(name: str) -> str:
-    name = name.strip()
-    return name if name.startswith('/') else '/' + name
 
 
 def _none(command: str, words: str) -> None:

@@ -16,6 +16,11 @@ _LARGEST_S = 2 ** 31  # simulated
 _NUMBER, _WHOLE = re.compile(r'[0-9]{1,10}(\.[0-9]{0,30})?'), re.compile('[0-9]{1,18}')
 
 
+def absolute(name: str) -> str:
+    """Return the name of a node or a topic with its slash in front, which people may leave out."""
+    return '/' + name.strip().lstrip('/')
+
+
 class UntilBroken(NamedTuple):
     """Until a row breaks one of the properties."""
 
@@ -66,7 +71,7 @@ def _result(words: List[str], robots: Collection[str]) -> Stop:
 
 def _message(words: List[str], _robots: Collection[str]) -> Stop:
     _check(len(words) == 1, 'message TOPIC', words)
-    return Stop(ROW, topic=words[0] if words[0].startswith('/') else '/' + words[0])
+    return Stop(ROW, topic=absolute(words[0]))
 
 
 def _row(words: List[str], robots: Collection[str]) -> Stop:

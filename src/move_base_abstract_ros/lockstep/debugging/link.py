@@ -1,7 +1,7 @@
 """The connection of a participant to the program `debug`, over a Unix socket in the run's own folder.
 
-Both sides send lines of JSON, objects with the name ``is`` (WORDS). While a thread of the program stands at a prompt,
-it waits here: for the machine, not in the run. So nothing of this gives a turn away, or counts as the program's.
+Both sides send lines of JSON, objects with a word under the name ``is``. While a thread of the program stands at a
+prompt, it waits here: for the machine, not in the run. So none of it gives a turn away, or counts as the program's.
 """
 from __future__ import annotations
 
@@ -15,12 +15,10 @@ import sys
 import threading
 from typing import Any, Callable, Dict, Iterator, Optional, Sequence
 
-#: from the participant: there (node, path, pid, is_python, words), stopped (file, line, thread, time_ns), prompt, text
-#: (text), going, touched (text), refused (text), note (text), left, heard (number: up to which all has come)
-#: to the participant, with a number: places ([[file, line], ...]), stop, begin after those that are there at the start;
-#: without one: line (text, None at the end of commands)
-WORDS = ('there', 'stopped', 'prompt', 'text', 'going', 'touched', 'refused', 'note', 'left', 'heard',
-         'places', 'stop', 'line', 'begin')
+# The words from the participant: there (node, path, pid, is_python, words), stopped (file, line, thread, time_ns),
+# prompt, text (text), going, touched (text), refused (text), note (text), left, heard (number: up to which all is here)
+# To the participant, with a number: places ([[file, line], ...]), stop, begin after those that are there at the start;
+# without one: line (text, None at the end of commands)
 _START_S = 20.0  # wall
 _NUMBER = 400  # the descriptor's number is not one of those that the program's own files get
 _BYTES = 1 << 16
